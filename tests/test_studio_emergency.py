@@ -70,15 +70,15 @@ def test_a_stop_that_is_not_answered_is_sent_again_after_a_reload_too(swarm, per
 
     person.page.route("**/stop-robots*", lose)
     person.page.keyboard.press("Control+Enter")
-    person.sees("stop-told", "The studio has not answered yet")
+    person.sees("stop-report", "The studio has not answered yet")
     person.waits_until(lambda: len(lost) > 1, "it is sent again")
     person.page.reload()
-    person.sees("stop-told", "The studio has not answered yet")
+    person.sees("stop-report", "The studio has not answered yet")
     assert not switch.engaged
     person.page.unroute("**/stop-robots*", lose)
     person.waits_until(lambda: swarm.link.spin(0.02) or switch.engaged, "stopped")
     person.sees("stopped")
-    person.waits_until(lambda: not person.page.inner_text("#stop-told"), "it is stopped")
+    person.waits_until(lambda: not person.page.inner_text("#stop-report"), "it is stopped")
     person.complaints.clear()  # of the browser, about the requests that were lost
     switch.set(False, "the test")
     person.does_not_see("stopped")

@@ -96,7 +96,7 @@ def test_the_keyboard_chooses_moves_and_turns_things(swarm, person):
         before = field(person, "[...f.chosen]")
         keys.press(">")
         person.waits_until(lambda b=before: field(person, "[...f.chosen]") != b, "the next one")
-    assert ONE in person.page.inner_text("#field-told")
+    assert ONE in person.page.inner_text("#field-report")
     person.sees("banner", ONE)
     heading = entity(swarm, ONE).heading
     for key in ("ArrowRight", "ArrowRight", "ArrowUp", ","):

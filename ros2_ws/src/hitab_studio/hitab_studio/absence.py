@@ -15,7 +15,7 @@ NOT_HEARD = "not heard yet"
 def absence(known: SwarmState, name: str) -> Silence | None:
     """Return how an agent, or the world, is absent; None if it answers.
 
-    Its activity is the rest of a sentence that begins with the name, such as ``has ended``.
+    `Silence.what` completes a sentence that begins with the name, such as ``has ended``.
     """
     if name != names.WORLD and name not in known.agents:
         return Silence(name, "is not up", lasts=True, state="not up")

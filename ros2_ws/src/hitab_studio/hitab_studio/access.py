@@ -37,15 +37,15 @@ def is_loopback(host: str) -> bool:
 class AccessControl:
     """Filters requests and web sockets before any other code sees them.
 
-    For a page of another site, the browser sends that site's ``Origin``. With DNS rebinding,
-    ``Host`` has the other site's name.
+    A request from a page of another site carries the ``Origin`` of that site; with DNS rebinding,
+    ``Host`` carries the name of that site.
 
     Args:
         app: the guarded application.
         host: the address that the server listens on.
-        token: required once, in the address; "" if none is needed.
-        allowed: further names of this server, such as that of a proxy in front of it.
-        root_path: where that proxy shows the page.
+        token: required once, in the address; "" if the page needs no token.
+        allowed: further names of this server, such as the name of a proxy.
+        root_path: path under which the proxy serves the page.
     """
 
     def __init__(
@@ -74,21 +74,21 @@ class AccessControl:
         scope["root_path"] = root
         asked = HTTPConnection(scope)
         answer: App = self._app
-        if problem := self._foreign(asked.headers):
+        if problem := self._origin_problem(asked.headers):
             answer = _refusal(scope, 403, problem)
-        elif scope["type"] == "http" and self._is_right(asked.query_params.get("token", "")):
-            answer = _welcome(self._token)
-        elif self._token and not self._is_right(asked.cookies.get(COOKIE, "")):
+        elif scope["type"] == "http" and self._is_valid(asked.query_params.get("token", "")):
+            answer = _set_cookie(self._token)
+        elif self._token and not self._is_valid(asked.cookies.get(COOKIE, "")):
             why = "A token is needed: open the address that the studio printed."
             answer = _refusal(scope, 401, why)
         await answer(scope, receive, send)
 
-    def _foreign(self, headers: Mapping[str, str]) -> str:
+    def _origin_problem(self, headers: Mapping[str, str]) -> str:
         host = headers.get("host", "")
         name = urlsplit(f"//{host}").hostname or ""
         if not self._any_name and name not in self._names:
             way_out = f"start the studio with --allow-host {name}"
-            return f"This page is not called {name}: open it as was printed, or {way_out}."
+            return f"Unknown host name {name}: open the printed address, or {way_out}."
         origin = urlsplit(headers.get("origin", f"//{host}"))
         if origin.netloc != host and origin.hostname not in self._allowed:
             way_out = f"start the studio with --allow-host {origin.hostname}"
@@ -97,11 +97,11 @@ class AccessControl:
             )
         return ""
 
-    def _is_right(self, token: str) -> bool:
+    def _is_valid(self, token: str) -> bool:
         return bool(self._token) and hmac.compare_digest(token.encode(), self._token.encode())
 
 
-def _welcome(token: str) -> App:
+def _set_cookie(token: str) -> App:
     """Keep the token in a cookie and open the page without it in the address."""
     welcome = RedirectResponse("./", 303)
     welcome.set_cookie(COOKIE, token, httponly=True, samesite="strict")
@@ -116,10 +116,10 @@ def _refusal(scope: Scope, status: int, why: str) -> App:
 
 
 def new_token(host: str, given: str = "") -> str:
-    """Return the token for an address: the given one, or a new one if one is needed.
+    """Return the given token, or a new one if other machines can reach the address.
 
     Raises:
-        SwarmError: if the given one is not valid in an address.
+        SwarmError: if the given token is not valid in a URL.
     """
     if given and re.fullmatch(r"[A-Za-z0-9_-]{8,}", given) is None:
         raise SwarmError("a token needs at least 8 characters, each a letter, a digit, - or _")

@@ -1,7 +1,7 @@
 """Watches the viewed agents: their percepts, decisions and learned behaviors.
 
-Requests cost an agent a little, so only the viewed agents are asked, each by name. The state
-for pages, `AgentState`, is replaced as a whole and never changed.
+A request costs the agent some time, so only the viewed agents are asked. `AgentState`, the state
+for pages, is immutable and replaced as a whole.
 """
 
 from __future__ import annotations
@@ -20,26 +20,21 @@ from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Term
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import blocking
-from hitab_studio.learned import (
-    NO_ITEMS,
-    Effect,
-    Vocabulary,
-    effect,
-    terms,
-)
+from hitab_studio.example_effects import Effect, effect
+from hitab_studio.received_vocabulary import NO_ITEMS, Vocabulary, terms
 
-HISTORY = 120
-"""Number of values of a feature that are kept for its curve."""
+HISTORY_MAX = 120
+"""Values of a feature kept for its curve."""
 
 PROBED_MAX = 200
-"""Features with targets whose values are asked for at once."""
+"""Features with targets that are read in one request."""
 
 SHELF_MAX = 40
-"""Number of trained behaviors that are read before a page shows them."""
+"""Trained behaviors read in advance, before a page shows them."""
 
 READ_SECONDS = 0.15
 REFUSED_RETRY_SECONDS = 1.0
-"""Time from a refusal until the same is asked again."""
+"""Delay before a refused request is repeated."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +44,11 @@ class AgentState:
     Attributes:
         vocabulary: behaviors, features and targets of the agent.
         behaviors: the needed behaviors of the agent's library, by name.
-        readings: automaton, feature and its last values, oldest first; of the automata that are
-            active, and without an automaton of all features, while nothing is active or a page
-            asks for them.
+        readings: the last values, oldest first, by automaton and feature: the features of the
+            active automata, and under the automaton "" all features of the agent, while no
+            automaton is active or a page probes them.
         transitions: the last state changes, newest last.
-        change: effect of the last change of examples.
+        change: effect of the last change of examples; None before the first change.
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
@@ -64,15 +59,15 @@ class AgentState:
 
 
 class AgentWatch:
-    """Listens to an agent and asks for its state, without ever waiting for an answer.
+    """Listens to an agent and requests its state without blocking.
 
     Args:
-        agents: of the swarm.
+        agents: client of the swarm's agents.
         agent: name of the agent.
-        events: last state changes of the agent, newest last, which the caller keeps.
-        ask: asks something of the swarm; see `SwarmLink.ask`.
-        changed: called when something new is known.
-        failed: called with what is wrong with an answer, and its `error`.
+        events: last state changes of the agent, newest last, updated by the caller.
+        ask: sends a request to the swarm; see `SwarmLink.ask`.
+        changed: called after the vocabulary, the training or a behavior has changed.
+        failed: called with a message and the `error` if an answer is invalid.
 
     Attributes:
         known: the present state of the agent.
@@ -101,7 +96,7 @@ class AgentWatch:
         self._library_key: tuple[Any, ...] = ()
         self._trained = ""
         self._wanted: set[str] = set()
-        self._current: set[str] = set()  # of the behaviors, those read since the last change
+        self._current: set[str] = set()  # behaviors read since the last change of the library
         self._probing = False
         agents.watch_training(agent)
 
@@ -110,22 +105,22 @@ class AgentWatch:
         self._agents.forget_training(self._agent)
 
     def want(self, name: str) -> None:
-        """Ask for a behavior of the library, to be known from now on."""
+        """Keep a behavior of the library up to date from now on."""
         self._wanted.add(name)
 
     def probe(self, *, on: bool) -> None:
-        """Ask for the values of all features with all targets from now on, or no longer."""
+        """Start or stop reading all features with all targets."""
         self._probing = on
         self._next_read = 0.0
 
     def look(self) -> None:
-        """Take what is being trained, and request what may have changed."""
+        """Take the current training, and request everything that may have changed."""
         status = self._agents.statuses.get(self._agent)
         if status is None:
             return
         if self.known.transitions[-1:] != tuple(self._events)[-1:]:
             self._know(transitions=tuple(self._events))
-        # A behavior saved again may be the same, under another version and description.
+        # Saving an unchanged behavior changes its version and description, but not the digest.
         ended = bool(self._trained) and not status.training
         self._trained = status.training
         library_key = (status.library_digest, status.distribution)
@@ -145,7 +140,7 @@ class AgentWatch:
             self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
     def _needed(self, status: Any) -> set[str]:
-        """Return the agent's learned behaviors, the active ones and their parts."""
+        """Return the names of the trained and the active behaviors, and of their parts."""
         known, training, seen = self.known, self.training, set(self._wanted)
         waiting = [Term.parse(s).name for s in [status.behavior, *status.active_path] if s]
         if training is not None:
@@ -169,7 +164,7 @@ class AgentWatch:
     def _ask(
         self, key: str, verb: blocking[Any, ..., Any], take: Callable[[Any], None], *given: Any
     ) -> None:
-        """Have a verb of the client done with the agent, unless that is under way."""
+        """Call a verb of the client for the agent, unless the same request is pending."""
         agent = self._agent
 
         async def answer() -> None:
@@ -177,10 +172,10 @@ class AgentWatch:
                 take(await self._call(lambda it: verb.coroutine(it.agents, agent, *given), agent))
             except SwarmError:
                 await asyncio.sleep(REFUSED_RETRY_SECONDS)
-            except Exception as error:  # it is not the page that has to know how to read this
+            except Exception as error:  # an invalid answer must not end the watch
                 why = what_went_wrong(error)
-                told = f"The answer of {agent} about {key} cannot be read: {why}"
-                self._failed(told, error=error)
+                problem = f"The answer of {agent} about {key} cannot be read: {why}"
+                self._failed(problem, error=error)
             finally:
                 del self._asking[key]
 
@@ -220,5 +215,5 @@ class AgentWatch:
         readings = {}
         for read in answer.readings:
             past = before.get((read.automaton, read.feature), ())
-            readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY:]
+            readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY_MAX:]
         self._know(readings=MappingProxyType(readings))

@@ -29,7 +29,7 @@ def studio(
     map_topic: Annotated[str, typer.Option("--map", show_default=False, metavar="TOPIC")] = "",
     camera: Annotated[list[str] | None, typer.Option(show_default=False, metavar="TOPIC")] = None,
 ) -> None:
-    """Open the console in a browser: the live field, training by clicking, what was learned.
+    """Open the console in a browser: the live field, training by clicking, learned behaviors.
 
     The swarm may be started before or after this command; the page finds it, also after a
     restart.
@@ -56,7 +56,7 @@ def studio(
       hitab studio --camera front/image/compressed --map /map     of real robots
     """
     from hitab_studio.access import new_token
-    from hitab_studio.launching import startable_swarms, unknown
+    from hitab_studio.launcher import startable_swarms, unknown
     from hitab_studio.robots.topics import Options
     from hitab_studio.server import Address, serve
     from hitab_studio.swarm_finder import Finder

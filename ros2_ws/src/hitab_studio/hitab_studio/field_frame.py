@@ -12,16 +12,17 @@ EMPTY = json.dumps(
     {"t": "roster", "world": "", "size": [20.0, 20.0], "names": [], "kinds": [], "looks": {}}
     | {"radii": [], "legend": [], "center": [0.0, 0.0], "real": False}
 )
-"""The roster of a field with nothing in it."""
+"""Roster of an empty field."""
 
 
 class FieldFrame:
-    """The last moment of the swarm, in the form sent to pages.
+    """The latest scene of the swarm, encoded for pages.
 
     Attributes:
-        frame: the moment as a binary frame.
+        frame: the scene as a binary frame.
         frames: number of frames so far.
-        roster: the message that names what frames show; empty until there is a moment.
+        roster: message with the names and appearances of the things in the frame; "" before the
+            first scene.
     """
 
     def __init__(self, palette: Palette) -> None:
@@ -32,10 +33,10 @@ class FieldFrame:
         self._roster_key: tuple[Any, ...] = ()
 
     def draw(self, scene: Scene, doing: Mapping[str, tuple[str, str]]) -> bool:
-        """Create the frame of a moment; return whether the roster has changed.
+        """Encode a scene; return whether the roster has changed.
 
         Args:
-            scene: the moment.
+            scene: to encode.
             doing: mode and active state of each agent, by name.
         """
         palette = self._palette
@@ -49,7 +50,7 @@ class FieldFrame:
         return True
 
     def clear(self) -> str:
-        """Show an empty field; return its roster."""
+        """Discard the scene; return the roster of an empty field."""
         self.frame = b""
         self.roster = ""
         self._roster_key = ()

@@ -1,4 +1,4 @@
-"""The field as standard markers, for RViz and Foxglove."""
+"""Publishes the field as standard markers, for RViz and Foxglove."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from hitab_studio.scene import NO_COLOR, STATE_COLORS, Appearance, Scene
 
 MARKERS_TOPIC = "/studio/markers"
 FRAME = "field"
-EVERY_SECONDS = 0.1  # simulated or not: no viewer shows more
+EVERY_SECONDS = 0.1  # viewers need no higher rate, whatever the simulation's
 LIFETIME_SECONDS = 5
-"""How long viewers show the last moment after the studio has ended."""
+"""Time for which viewers show the last scene after the studio has ended."""
 
 MARKER_SHAPES = {
     msg.Look.DISC: Marker.CYLINDER,
@@ -44,30 +44,30 @@ class Markers:
         self._last = -math.inf
 
     def look(self, scene: Scene | None, doing: Doing, colors: Mapping[str, int]) -> None:
-        """Check whether there are subscribers, and publish the last moment for them once more.
+        """Check for subscribers, and publish the last scene again for them.
 
-        A paused world is silent, but markers last only for `LIFETIME_SECONDS`. Call it several
-        times in that time.
+        A paused world publishes nothing, but markers expire after `LIFETIME_SECONDS`. Call this
+        several times within that time.
 
         Args:
-            scene: the last one; None if none was seen.
-            doing: see `show`.
-            colors: see `show`.
+            scene: the last scene; None before the first one.
+            doing: mode and active state of each agent, by name.
+            colors: colors of states, by name.
         """
         self._heard = self._publisher.get_subscription_count() > 0
         if self._heard and scene is not None:
             self._publisher.publish(self._array(scene, doing, colors))
 
     def show(self, scene: Scene, doing: Doing, colors: Mapping[str, int]) -> None:
-        """Publish a moment, if there are subscribers and it is due.
+        """Publish a scene if there are subscribers and the period has passed.
 
         Args:
             scene: to show.
             doing: mode and active state of each agent, by name.
-            colors: of states; agents in a state without one keep their own color.
+            colors: colors of states, by name; agents in other states keep the agents' color.
         """
-        paused = scene.mode == msg.WorldState.PAUSED  # it says something when that changes
-        # A cycle of just that length may come out a little shorter.
+        paused = scene.mode == msg.WorldState.PAUSED  # published only on a change
+        # Rounding may make a cycle of exactly this length a little shorter.
         due = abs(scene.seconds - self._last) > 0.9 * EVERY_SECONDS
         if self._heard and (paused or due):
             self._last = scene.seconds
@@ -86,7 +86,7 @@ class Markers:
             markers += _thing(header, i, name, look, (x, y, heading), scene.radii[i])
         for marker in markers:
             marker.lifetime = Duration(sec=LIFETIME_SECONDS)
-        # Markers of missing things go at once.
+        # Remove the markers of things that have gone.
         return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL), *markers])
 
 

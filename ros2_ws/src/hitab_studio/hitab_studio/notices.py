@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 NOTICE_SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
-"""How long a message stays unless a person closes it."""
+"""Time for which a notice is shown unless closed, by kind."""
 
 NOTICES_MAX = 3
-"""Messages that are shown at once; an older one makes room."""
+"""Notices shown at once; a new one replaces the oldest."""
 
 
 @dataclass
@@ -19,9 +19,9 @@ class Notice:
 
     Attributes:
         number: identity of the notice on the page.
-        kind: good (it was done), note (nothing was done, or by others) or bad (it failed).
-        times: how often it was said since it was first shown.
-        until: when it goes, on the monotonic clock, s.
+        kind: good (success), note (nothing done, or done by others) or bad (failure).
+        times: number of times the message was issued since first shown.
+        until: time of removal on the monotonic clock, s.
     """
 
     number: int
@@ -32,10 +32,10 @@ class Notice:
 
 
 class Notices:
-    """The notices of a page, oldest first; the same text is there once.
+    """The notices of a page, oldest first, each text at most once.
 
     Args:
-        clock: the time, s.
+        clock: returns the time, s.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -44,7 +44,7 @@ class Notices:
         self._numbers = 0
 
     def say(self, text: str, kind: str = "good") -> None:
-        """Show a message, or count it if it is shown already."""
+        """Show a message, or count the repetition of a shown one."""
         until = self._clock() + NOTICE_SECONDS[kind]
         for message in self.shown:
             if message.text == text and message.kind == kind:
@@ -55,15 +55,15 @@ class Notices:
         self.shown = [*self.shown[1 - NOTICES_MAX :], Notice(self._numbers, kind, text, 1, until)]
 
     def close(self, number: int) -> None:
-        """Remove a message."""
+        """Remove the notice with this number."""
         self.shown = [message for message in self.shown if message.number != number]
 
     def withdraw(self, text: str) -> None:
-        """Remove a message that does not hold any more."""
+        """Remove a message that is no longer true."""
         self.shown = [message for message in self.shown if message.text != text]
 
     def drop_old(self) -> bool:
-        """Remove what was shown long enough; return whether there was such."""
+        """Remove expired notices; return whether there were any."""
         now, before = self._clock(), len(self.shown)
         self.shown = [message for message in self.shown if message.until >= now]
         return len(self.shown) < before

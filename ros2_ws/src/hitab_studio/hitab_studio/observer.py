@@ -35,31 +35,31 @@ from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
 
-STOPS_S = 0.5
-"""Period of the search for robots that can be stopped, s: each lists all topics."""
+STOPS_PERIOD_S = 0.5
+"""Period of the search for robots that can be stopped, s; a search lists all topics."""
 
-ARM_S = 3.0
-"""How long a robot may take to be found that is to act again, s."""
+ARM_TIMEOUT_S = 3.0
+"""Timeout to find a robot that is re-armed, s."""
 
 STATE_CHANGES_KEPT = 60
-"""Number of state changes of an agent that are kept."""
+"""State changes kept for each agent."""
 
-FOLLOWED = 40
-"""Agents whose state changes are kept before a page views them: each costs them a little."""
+FOLLOWED_MAX = 40
+"""Agents whose state changes are kept before a page views them; each subscription has a cost."""
 
-SOON = 1.0
-"""s; a world that is there is heard by then."""
+WORLD_WAIT_S = 1.0
+"""Time by which a running world has been heard, s."""
 
 
 @dataclass
 class Connected:
-    """The swarm, as seen over ROS.
+    """The connection to a swarm: a node, and the clients of the agents and the world.
 
     Attributes:
-        target: where it is.
-        spun: set for a moment whenever the node was spun.
-        asking: number of coroutines that wait.
-        ended: why nothing can be asked any more; "" if it can be.
+        target: the connected swarm.
+        spun: set for a moment after each spin of the node.
+        asking: number of waiting coroutines.
+        ended: why the connection has ended; "" while connected.
     """
 
     target: SwarmTarget
@@ -72,7 +72,7 @@ class Connected:
 
     @classmethod
     def to(cls, target: SwarmTarget, link: RosLink) -> Connected:
-        """Return the swarm over this link."""
+        """Return the connection to a swarm over this link."""
         space, identity = target.namespace, target.identity
         return cls(
             target,
@@ -86,18 +86,18 @@ class Observer:
     """Collects the state of one swarm, from its connection to its end.
 
     Args:
-        swarm: to observe.
-        known: the state at first.
-        pages: those that are open, by id: each with the `agent` that it views, and whether it is
-            `connected`.
-        colors: of states, in the markers for other viewers.
-        complain: called with a text and its `agent`, `page` and `error`, if there are any.
-        ask: asks something of the swarm; see `SwarmLink.ask`.
-        options: a person's choice of the robots' topics.
+        swarm: the connected swarm.
+        known: the initial state.
+        pages: the open pages, by id; `agent` is the viewed agent, and `connected` is true while
+            a browser shows the page.
+        colors: colors of states, by name, for the markers.
+        complain: called with an error message and, if known, its `agent`, `page` and `error`.
+        ask: sends a request to the swarm; see `SwarmLink.ask`.
+        options: the chosen topics of robots.
 
     Attributes:
         known: the present state.
-        watches: of the viewed agents, by name.
+        watches: watches of the viewed agents, by name.
     """
 
     def __init__(
@@ -139,11 +139,11 @@ class Observer:
         self._shown: object = None
 
     def _know(self, **changes: Any) -> None:
-        """Update what is known and shown by pages."""
+        """Change the known state and raise its revision."""
         self.known = replace(self.known, revision=self.known.revision + 1, **changes)
 
     def see(self) -> None:
-        """Take the newest moment of the world."""
+        """Take the newest state of the world."""
         state = self._world.state
         if state is None or state is self._shown or self._world.stranger is not None:
             return
@@ -158,11 +158,11 @@ class Observer:
         self._markers.show(scene, self.known.doing(), self._colors)
 
     def look(self) -> None:
-        """Update what has changed about the agents."""
+        """Update the known state of the agents, the stops and the robots."""
         self._look_at_stops()
         known = self.known
         if (now := time.monotonic()) >= self._next_stops:
-            self._next_stops = now + STOPS_S
+            self._next_stops = now + STOPS_PERIOD_S
             self._stops.look()
         if self._world.status is not known.world:
             self._know(world=self._world.status)
@@ -178,7 +178,7 @@ class Observer:
             self._know(groups=MappingProxyType(dict(groups)))
         self._listen()
         wanted = {page.agent for page in self._pages.values()} - {""}
-        for agent in [*(wanted & statuses.keys()), *sorted(statuses)[:FOLLOWED]]:
+        for agent in [*(wanted & statuses.keys()), *sorted(statuses)[:FOLLOWED_MAX]]:
             if agent not in self._events:
                 self._follow(agent)
         for agent in wanted & statuses.keys() - self.watches.keys():
@@ -187,7 +187,7 @@ class Observer:
                 agent,
                 self._events[agent],
                 self._ask,
-                partial(self._learns, agent),
+                partial(self._update_watched, agent),
                 partial(self._complain, agent=agent),
             )
         for agent in self.watches.keys() - wanted:
@@ -208,7 +208,7 @@ class Observer:
                 self.known = replace(self.known, robots=robots)
 
     def _follow(self, agent: str) -> None:
-        """Keep the state changes of an agent from now on, whether a page views it or not."""
+        """Keep the state changes of an agent from now on."""
         self._events[agent] = deque(maxlen=STATE_CHANGES_KEPT)
         self._link.subscribe(
             TransitionEvent,
@@ -218,7 +218,7 @@ class Observer:
         )
 
     def _listen(self) -> None:
-        """Notice who falls silent and who is heard again."""
+        """Update the silent processes and the reasons for their silence."""
         silent, before = self._signs.silent(), self.known.silent
         if silent.keys() != before.keys():
             now = time.monotonic()
@@ -228,8 +228,8 @@ class Observer:
         if why != self.known.why:
             self._know(why=MappingProxyType(dict(why)))
 
-    def _learns(self, agent: str) -> None:
-        # At once: in a paused world the next placement is a moment of the same cycle.
+    def _update_watched(self, agent: str) -> None:
+        # At once, because in a paused world the next placement has the same cycle.
         self._keep_scenes(agent, self.watches[agent])
         watched = {name: watch.known for name, watch in self.watches.items()}
         self._know(watched=MappingProxyType(watched))
@@ -244,12 +244,12 @@ class Observer:
                 self._know(moments=self._remembered.kept)
 
     def may_show(self, choices: tuple[SwarmTarget, ...]) -> None:
-        """Know which swarms a person may choose."""
+        """Update the swarms that a person may choose."""
         target = self.known.target
         if target is not None and choices != target.choices:
             self._know(target=replace(target, choices=choices))
 
-    def keep_house(self) -> None:
+    def discover(self) -> None:
         """Find agents that have joined or left."""
         node = self._link.node
         self._agents.discover()
@@ -261,7 +261,7 @@ class Observer:
         }
         if gone != before:
             self._know(gone=MappingProxyType(gone))
-        self._leave_alone()
+        self._update_elsewhere()
         self._find_robots()
         self._commanders.discover()
         self._markers.look(self.known.scene, self.known.doing(), self._colors)
@@ -273,11 +273,12 @@ class Observer:
                 self.stop_recording()
 
     def _find_robots(self) -> None:
-        """Find the sensors of the robots, if there is no world in which the agents are."""
+        """Find the sensors of the robots, if the agents are in no simulated world."""
         known = self.known
         target = known.target
         if known.world is None and known.scene is None and not (target and target.world):
-            if known.robots is None and known.statuses and time.monotonic() > known.joined + SOON:
+            waited = time.monotonic() > known.joined + WORLD_WAIT_S
+            if known.robots is None and known.statuses and waited:
                 self._know(robots=Robots())
             if known.statuses:
                 self._robots.find(known.statuses, self._agents.prefix)
@@ -285,8 +286,8 @@ class Observer:
             self._robots.close()
             self._know(robots=None)
 
-    def _leave_alone(self) -> None:
-        """Notice swarms that were started elsewhere, and show nothing of their world."""
+    def _update_elsewhere(self) -> None:
+        """Update the swarms that were started elsewhere, and hide their world."""
         known = self.known
         if self._world.stranger is not None and known.scene is not None:
             self._know(scene=None)
@@ -296,7 +297,7 @@ class Observer:
                 self._know(elsewhere=elsewhere)
 
     def stop_robots(self, engaged: bool, by: str, reason: str) -> list[str]:
-        """Stop all robots and worlds, or release them; return who is there."""
+        """Stop or release all robots and worlds; return the names of those present."""
         self._switch.set(engaged, by, reason)
         self._look_at_stops()
         return self._stops.names()
@@ -308,13 +309,13 @@ class Observer:
             self._know(emergency=stops, stopped_at=at)
 
     async def arm(self, agent: str) -> None:
-        """Let an agent's robot act again.
+        """Re-arm an agent's robot.
 
         Raises:
-            SwarmError: if it may not.
+            SwarmError: if the robot is missing or refuses.
         """
         robot = f"{self._agents.prefix}/{agent}".strip("/")
-        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_S), agent)
+        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_TIMEOUT_S), agent)
 
     # -- recording --------------------------------------------------------------------------
 
@@ -331,10 +332,10 @@ class Observer:
         self._know(recording=path, recorded=0)
 
     def stop_recording(self) -> str:
-        """End the recording and return its path; "" if there was none.
+        """End the recording and return its path; "" if nothing was being recorded.
 
         Raises:
-            SwarmError: if its end could not be written.
+            SwarmError: if the end of the file could not be written.
         """
         recorder, self._recorder = self._recorder, None
         if recorder is None:

@@ -17,10 +17,10 @@ from hitab_ros.call import Turns, blocking
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.field_frame import EMPTY, FieldFrame
-from hitab_studio.launching import NONE, Launcher
+from hitab_studio.launcher import NONE, Launcher
 from hitab_studio.notices import Notices
 from hitab_studio.page_parts import ExamplesTable, Making, MissingTargets, ShownNumbers
-from hitab_studio.people import told_apart
+from hitab_studio.person_names import distinct
 from hitab_studio.replay import ReplayPlayer
 from hitab_studio.scene import Palette, frame, roster, said_message
 from hitab_studio.swarm_link import Connected, SwarmLink
@@ -32,25 +32,25 @@ T = TypeVar("T")
 NO_AGENT = AgentState()
 RECORDING = "This is a recording: close it first (Esc) to act on the swarm."
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
-REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
+REAL = "These are real robots: they cannot be paused, moved by dragging or reset."
 
 
 class StudioState:
     """The state that all pages share.
 
     Attributes:
-        link: to the swarm.
+        link: the connection to the swarm.
         known: the state of the swarm.
         version: raised with each change that pages show.
         palette: the colors of states.
-        placements: where things were before they were placed, newest last, for undo.
+        placements: positions of all things before each placement, newest last, for undo.
         snapshots: names of the world's snapshots.
-        held: by agent, the page that holds it: no other page may command it.
-        pages: those that are open, by their ids.
-        keys: which key commands which behavior.
-        present: the field as it is now.
+        held: the page that holds an agent, by agent; other pages may not command this agent.
+        pages: the open pages, by id.
+        keys: the keys that command behaviors.
+        present: the present field, encoded for pages.
         launcher: starts and stops swarms.
-        making: the generation that is being made, or was made last.
+        making: the generation being made, or made last; None before the first.
     """
 
     def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
@@ -69,14 +69,14 @@ class StudioState:
 
     @property
     def why_busy(self) -> str:
-        """Why nothing else is to be done with the swarm at present; "" if it may be."""
+        """Reason for refusing other requests to the swarm at present; "" if none."""
         made = self.making
         if made is None or not made.doing:
             return ""
-        return f"{made.agent} makes a generation of {made.behavior}: wait for that, or stop it."
+        return f"{made.agent} is making a generation of {made.behavior}: wait for it, or stop it."
 
     def touch(self) -> None:
-        """Say that something has changed."""
+        """Have all pages redrawn."""
         self.version += 1
 
 
@@ -85,25 +85,25 @@ class Page:
 
     Attributes:
         studio: the state of all pages.
-        browser: identity of the browser, whose pages are the same person's; at first the page's.
-        demonstrator: name of the person who commands; the reaction time is kept under it.
-        name: the same, told apart from people of this name at other pages.
+        browser: identity of the browser, shared by all pages of a person; initially the page's id.
+        demonstrator: name of the person, which commands carry and the reaction time is kept under.
+        name: the demonstrator's name, with a number if another person has the same name.
         chosen: names of the things selected in the field.
-        agent: the one among them, or in the list, that is viewed and commanded.
-        level: the viewed automaton, if not the outermost one.
-        state: the state whose tree is viewed, if not the active one.
-        to_start: the swarm that is chosen to be started; empty if none was chosen yet.
+        agent: the viewed and commanded agent; "" if none.
+        level: the viewed automaton; "" for the outermost one.
+        state: the state whose tree is viewed; "" for the active one.
+        to_start: the swarm chosen to be started; "" before a choice.
         folds: opened (true) and closed commanders in the list of agents, by name.
-        shown_numbers: the behavior whose form of numbers is open, if one is.
-        missing_targets: the commanded behavior that still needs targets, if one does.
-        lost: the last command, if the agent has not acknowledged it.
+        shown_numbers: the behavior whose form of numbers is open; None if none.
+        missing_targets: the commanded behavior that still needs targets; None if none.
+        lost: the last command, if not acknowledged by the agent; None otherwise.
         unseen: outcomes of commands that the page has not shown yet.
-        dialog: the open dialog, with the values of its template.
-        player: the open recording, if there is one.
+        dialog: the open dialog, with the values of its template; {} if none.
+        player: the player of the open recording; None if none.
         messages: notices of successes and failures.
         connected: whether the browser is connected.
-        leave: closes the page after the present request.
-        sent: the browser's present frame.
+        leave: closes the page after the current request.
+        sent: the frame that the browser received last.
     """
 
     def __init__(self, studio: StudioState, key: str, demonstrator: str) -> None:
@@ -138,32 +138,32 @@ class Page:
         self.become(demonstrator)
 
     def become(self, demonstrator: str) -> None:
-        """Be used by the person of this name."""
+        """Set the name of the person at the page."""
         if demonstrator != self.demonstrator:
             self.demonstrator = demonstrator
             self.belong(self.browser)
 
     def belong(self, browser: str) -> None:
-        """Be a page of this browser; its pages hold agents together, under one name."""
+        """Assign the page to a browser, whose pages hold agents together, under one name."""
         self.browser = browser
         others = {page.name for page in self.studio.pages.values() if not self.is_same(page)}
-        self.name = told_apart(self.demonstrator, others)
+        self.name = distinct(self.demonstrator, others)
         self.studio.touch()
 
     def is_same(self, page: Page) -> bool:
-        """Whether another page is the same person's."""
+        """Whether another page belongs to the same person."""
         return page.browser == self.browser
 
     # -- selection --------------------------------------------------------------------------
 
     @property
     def moment(self) -> SwarmState:
-        """What is shown of the swarm: its state now, or at the moment of a recording."""
+        """The shown state of the swarm: the present one, or a moment of the open recording."""
         return self.studio.known if self.player is None else self.player.state
 
     @property
     def status(self) -> Any:
-        """The last status of the agent; in a replay, of that moment."""
+        """The last status of the agent, in a replay that of the shown moment; None if unknown."""
         return self.moment.statuses.get(self.agent)
 
     @property
@@ -173,12 +173,12 @@ class Page:
 
     @property
     def training(self) -> Training | None:
-        """The viewed agent's training, as published last."""
+        """The last published training of the viewed agent; None if not training."""
         return self.studio.link.training(self.agent)
 
     @property
     def agents(self) -> Sequence[str]:
-        """The page's agents: of the swarm, or of a recording."""
+        """The agents of the swarm, or of the open recording."""
         return self.moment.agents
 
     @property
@@ -192,7 +192,7 @@ class Page:
         return bool(self._held_by_others(self.agent))
 
     def open_dialog(self, kind: str, **values: Any) -> None:
-        """Open a dialog about the agent, with the values of its template."""
+        """Open a dialog about the agent, with values for the dialog's template."""
         self.dialog = {"kind": kind, "agent": self.agent, **values}
 
     def close_dialog(self) -> None:
@@ -202,7 +202,7 @@ class Page:
         self.dialog = {}
 
     def look_at(self, agent: str) -> None:
-        """View an agent; none if empty."""
+        """View an agent; none if the name is empty."""
         if agent != self.agent:
             self.agent = agent
             self.level = self.state = self.behavior = ""
@@ -218,7 +218,7 @@ class Page:
         self.touch()
 
     def forget_agents(self) -> None:
-        """View nothing: the agents were of another swarm."""
+        """View no agent, after the swarm was replaced by another one."""
         self.close_dialog()
         self.lost = None
         self.folds.clear()
@@ -229,7 +229,7 @@ class Page:
     # -- what the field shows ---------------------------------------------------------------
 
     def frame(self) -> bytes:
-        """Return the frame that the page should show now."""
+        """Return the current frame of the swarm or of the open recording."""
         if self.player is None:
             return self.studio.present.frame
         state = self.player.state
@@ -237,7 +237,7 @@ class Page:
         return frame(state.scene, state.doing(), self.studio.palette)
 
     def layers(self) -> dict[str, bytes]:
-        """Return the layers of real robots that the page should show now."""
+        """Return the current layers of real robots; {} in a replay or with a simulated world."""
         robots = self.studio.known.robots
         if robots is None or self.player is not None:
             return {}
@@ -245,10 +245,7 @@ class Page:
         return {name: data for name, data in robots.layers.items() if name in shown}
 
     def show_again(self) -> None:
-        """Show the present moment: of the recording that is open, else of the swarm.
-
-        It is sent even if the page had it before: the page may show something else by now.
-        """
+        """Send the present moment of the open recording, or else of the swarm, once more."""
         self.sent = b""
         self.send({"t": "replay", "on": self.player is not None})
         if self.player is not None:
@@ -258,7 +255,7 @@ class Page:
         self.news.set()
 
     def show_moment(self) -> None:
-        """Show the moment of the recording at which the page is."""
+        """Show the current moment of the open recording."""
         scene = self.moment.scene
         if self.player is None or scene is None:
             return
@@ -269,7 +266,7 @@ class Page:
         self.touch()
 
     def stop_replay(self, error: Exception) -> None:
-        """Close a recording that cannot be shown, and say why."""
+        """Close a recording that cannot be shown, with a message that gives the reason."""
         logging.getLogger(__name__).error("a recording", exc_info=error)
         self.player = None
         self.tell(f"This recording cannot be shown further: {what_went_wrong(error)}", "bad")
@@ -278,14 +275,14 @@ class Page:
     # -- doing ------------------------------------------------------------------------------
 
     async def ask(self, what: Callable[[Connected], Turns[T]], needs: str = "") -> T:
-        """Ask something of the swarm; the page is marked busy until the end.
+        """Send a request to the swarm; the page is marked busy until the answer.
 
         Args:
-            what: returns the coroutine that asks.
-            needs: an agent or the world without which it cannot be done.
+            what: returns the coroutine of the request.
+            needs: the agent or `names.WORLD` that answers; "" if none.
 
         Raises:
-            SwarmError: if it cannot be done.
+            SwarmError: if the request fails.
         """
         if self.player is not None:
             raise SwarmError(RECORDING)
@@ -298,7 +295,7 @@ class Page:
 
     @property
     def world_off(self) -> str:
-        """Why nothing may be asked of the world; "" if it may be."""
+        """Reason for which requests to the world are refused; "" if allowed."""
         known = self.studio.known
         if self.player is not None:
             return RECORDING
@@ -310,7 +307,7 @@ class Page:
 
     @property
     def agent_off(self) -> str:
-        """Why nothing may be asked of the agent; "" if it may be."""
+        """Reason for which requests to the agent are refused; "" if allowed."""
         if self.player is not None:
             return RECORDING
         if not self.agent:
@@ -320,29 +317,30 @@ class Page:
         return self._held_by_others(self.agent) or self.studio.why_busy
 
     async def ask_world(self, what: Callable[[WorldClient], Turns[T]]) -> T:
-        """Ask something of the world.
+        """Send a request to the world.
 
         Raises:
-            SwarmError: if it does not answer, or refuses.
+            SwarmError: if the world does not answer, or refuses.
         """
         if self.world_off:
             raise SwarmError(self.world_off)
         return await self.ask(lambda swarm: what(swarm.world), names.WORLD)
 
     async def ask_agent(self, what: Callable[[Connected, str], Turns[T]]) -> T:
-        """Ask something of the agent, which this page holds from then on.
+        """Send a request to the agent, which this page holds from then on.
 
         Raises:
-            SwarmError: if there is none, it does not answer, or another demonstrator holds it.
+            SwarmError: as `take_agent`, or if the request fails.
         """
         agent = self.take_agent()
         return await self.ask(lambda swarm: what(swarm, agent), agent)
 
     def take_agent(self) -> str:
-        """Hold the agent, to ask something of it; return its name.
+        """Hold the viewed agent for a request; return its name.
 
         Raises:
-            SwarmError: if there is none, it does not answer, or another demonstrator holds it.
+            SwarmError: if no agent is viewed, the agent does not answer, or another demonstrator
+                holds the agent.
         """
         if self.agent_off:
             raise SwarmError(self.agent_off)
@@ -350,7 +348,7 @@ class Page:
         return self.agent
 
     async def request(self, verb: blocking[Any, ..., T], *given: Any, **fields: Any) -> T:
-        """Have a verb of the swarm's client done with the agent; see `ask_agent`."""
+        """Call a verb of the swarm's client for the agent; see `ask_agent`."""
         return await self.ask_agent(
             lambda swarm, agent: verb.coroutine(swarm.agents, agent, *given, **fields)
         )
@@ -359,7 +357,7 @@ class Page:
         """Hold an agent, or keep holding it.
 
         Raises:
-            SwarmError: if another demonstrator holds it.
+            SwarmError: if another demonstrator holds the agent.
         """
         if why := self._held_by_others(agent):
             raise SwarmError(why)
@@ -374,7 +372,7 @@ class Page:
     # -- telling ----------------------------------------------------------------------------
 
     def touch(self) -> None:
-        """Say that what the page shows has changed."""
+        """Have the page redrawn."""
         self.version += 1
 
     def tell(self, text: str, kind: str = "good") -> None:
@@ -383,7 +381,7 @@ class Page:
         self.touch()
 
     def refuse(self, why: str, kind: str = "bad") -> None:
-        """Say why something was not done: in the dialog that asks for it, else as a message."""
+        """Show the reason for a refusal: in the open dialog, or else as a message."""
         if self.dialog:
             self.dialog["refused"] = why
         else:

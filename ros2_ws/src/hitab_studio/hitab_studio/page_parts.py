@@ -1,4 +1,4 @@
-"""Parts of a page's state: what it asks for, how it shows the examples, what is being made."""
+"""Parts of a page's state: missing targets, numbers, the table of examples, a generation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class MissingTargets:
     """A commanded behavior that still needs targets, to be clicked in the field.
 
     Attributes:
-        seen: the world's cycle that the page showed when it was commanded.
+        seen: the world's cycle that the page showed at the time of the command.
     """
 
     behavior: str
@@ -29,7 +29,7 @@ class ShownNumbers:
 
 @dataclass
 class ExamplesTable:
-    """How the table of examples is shown; `hidden` features have no column."""
+    """Sorting, filters and selection of the table of examples; `hidden` features lack a column."""
 
     automaton: str = ""
     sort: str = "number"
@@ -42,14 +42,14 @@ class ExamplesTable:
 
 @dataclass
 class Making:
-    """A generation that is being made or gone back to, or was.
+    """Progress of making a generation, or of going back to one.
 
     Attributes:
-        agent: that is trained.
-        behavior: that is trained.
-        doing: present activity, for people; empty once it has ended.
-        said: what was done so far.
-        is_to_end: whether a page has asked to stop it.
+        agent: the trained agent.
+        behavior: the trained behavior.
+        doing: present activity, for people; "" once finished.
+        said: messages about the finished steps.
+        is_to_end: whether a page has requested to stop.
     """
 
     agent: str

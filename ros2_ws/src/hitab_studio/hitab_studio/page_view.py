@@ -1,4 +1,4 @@
-"""The page: a canvas for the field, panels that the server describes, and what a person asks."""
+"""The page: a canvas for the field, panels rendered by the server, and a queue of requests."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from hitab_ros.answering import what_went_wrong
 from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data
 from hitab_studio.page import Page
 from hitab_studio.studio import Studio
-from hitab_studio.ui_remedies import told
+from hitab_studio.ui_remedies import error_text
 from hitab_studio.views import PANELS, render
 
 STATIC = Path(__file__).parent / "static"
 REFRESH_SECONDS = 0.15
 REDRAW_SECONDS = 1.0
-"""How long a page may take to show what was done."""
+"""Time within which a page shows the result of a request."""
 
-ALSO_EVERY = 2
-"""Refreshes between two drawings of what changes all the time, such as curves."""
+DRAW_EVERY = 2
+"""Refreshes between two drawings of values that change continuously, such as curves."""
 
-REST = 2.0
-"""Times as long as a page took to draw, for each open page, it waits until it draws again what its
-own person has not caused: a class leaves half of the server's time to commands."""
+PAUSE_FACTOR = 2.0
+"""Pause after drawing a page, in multiples of the drawing time and for each open page. It leaves
+half of the server's time to commands. Changes made on the page itself are drawn at once."""
 
 CANVAS = (
     'role="application" aria-label="The things in the field. < and > choose one, the '
@@ -40,23 +40,22 @@ CANVAS = (
 
 
 def is_urgent(data: Any) -> bool:
-    """Whether a request of a page is to be handled at once."""
+    """Whether a page's request is handled at once, before the pending ones."""
     return isinstance(data, Mapping) and data.get("do") in URGENT
 
 
 class RequestQueue:
     """The pending requests of a page, in order, without unintended repetitions.
 
-    The second click of a double click is dropped, and so is a request that repeats the last one
-    while that is pending, because the person has seen no answer yet. After another request it is
-    meant: Go, Stop, Go are three commands however fast they come. Repeating actions are never
-    dropped.
+    The second click of a double click is dropped, and so is a repetition of the last pending
+    request, because the person has seen no answer yet. Go, Stop, Go are three commands at any
+    speed, since no request repeats the one before it. Repeating actions are never dropped.
 
     A request marked as unavailable is tried nevertheless while the page may lag behind, such as an
     undo right after its command.
 
     Attributes:
-        waiting: the request being handled, and those after it.
+        waiting: the request being handled, then the pending ones.
     """
 
     def __init__(self) -> None:
@@ -79,17 +78,17 @@ class RequestQueue:
         self._queue.put_nowait(asked)
 
     def close(self) -> None:
-        """Stop after the present request and drop the others: the page has gone."""
+        """Drop the pending requests of a closed page, and stop after the current one."""
         while not self._queue.empty():
             self._queue.get_nowait()
         self._queue.put_nowait(None)
 
     async def perform(self, page: Page, done: Callable[[], None]) -> None:
-        """Handle one request after the other until the page has gone.
+        """Handle one request after the other until `close` is called.
 
         Args:
-            page: that asks.
-            done: called after each.
+            page: origin of the requests.
+            done: called after each request.
         """
         while (data := await self._queue.get()) is not None:
             await perform(page, data)
@@ -101,12 +100,12 @@ class RequestQueue:
 
 
 def _same(one: Data, other: Data) -> bool:
-    """Whether two requests ask the same, whatever the page showed meanwhile."""
+    """Whether two requests are equal, apart from the cycle and the keys that the page showed."""
     return {**one, "seen": 0, "hotkey": ""} == {**other, "seen": 0, "hotkey": ""}
 
 
 async def perform(page: Page, data: Data) -> None:
-    """Handle a request of a page; show errors on it."""
+    """Handle a request of a page, and show errors on the page."""
     wanted = REGISTERED_ACTIONS.get(str(data.get("do")))
     if wanted is None:
         page.tell(f"Unknown action {data.get('do')}", "bad")
@@ -115,7 +114,7 @@ async def perform(page: Page, data: Data) -> None:
     try:
         await wanted(page, data)
     except HitabError as error:
-        page.refuse(told(error))
+        page.refuse(error_text(error))
     except Exception as error:
         logging.getLogger(__name__).exception("action %s", data.get("do"))
         page.refuse(f"That did not work: {error}")
@@ -123,7 +122,7 @@ async def perform(page: Page, data: Data) -> None:
 
 
 class PagePanel(Element, component="static/panel.js"):
-    """A part of the page with HTML from the server."""
+    """A part of the page with HTML rendered by the server."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -132,21 +131,21 @@ class PagePanel(Element, component="static/panel.js"):
         self.name = name
 
     def show(self, html: str) -> None:
-        """Show this from now on."""
+        """Replace the HTML of the panel."""
         if html != self.props["html"]:
             self.props["html"] = html
             self.update()
 
 
-TELL_REFUSAL = (
+SHOW_REFUSAL = (
     'addEventListener("load", async () => { const it = await fetch("leave", {method: "POST"});'
     " if (!it.ok) document.body.textContent = await it.text(); });"
 )
-"""Has an address that is refused, such as that of an unknown proxy, say so on the empty page."""
+"""Shows the error on the empty page if the address is refused, such as an unknown proxy's."""
 
 
 class PageView:
-    """A page in a browser: shows its state, and passes on the person's actions."""
+    """A page in a browser: draws the page's state, and handles the person's requests."""
 
     def __init__(self, studio: Studio, page: Page, client: Client) -> None:
         self._studio = studio
@@ -155,7 +154,7 @@ class PageView:
         self._seen: tuple[int, int] = (-1, -1)
         self._training: Training | None = None
         self._count = 0
-        self._rests_until = 0.0
+        self._draws_from = 0.0
         self._requests = RequestQueue()
         self._heard = 0
         self._urgent: set[asyncio.Task[None]] = set()
@@ -165,7 +164,7 @@ class PageView:
     def _build(self) -> None:
         page = self._page
         ui.add_head_html(
-            f'<script>window.STUDIO_PAGE = "{page.id}";{TELL_REFUSAL}</script>'
+            f'<script>window.STUDIO_PAGE = "{page.id}";{SHOW_REFUSAL}</script>'
             '<link rel="stylesheet" href="_studio/studio.css">'
             '<script type="module" src="_studio/studio.js"></script>'
             '<script type="module" src="_studio/keys.js"></script>'
@@ -174,22 +173,23 @@ class PageView:
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):
             self._panels = [PagePanel(name) for name in PANELS if name != "overlay"]
-            # The server's frame around all of this is the page's <main> already.
+            # NiceGUI's frame around all elements is already the page's <main>.
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(PagePanel("overlay"))
-                ui.element("div").props('id="field-told" role="status"').classes("unseen")
-        ui.on("studio", lambda event: self._wish(event.args))
+                ui.element("div").props('id="field-report" role="status"').classes("unseen")
+        ui.on("studio", lambda event: self._receive(event.args))
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)
         self._performing = asyncio.create_task(self._perform())
         self._client.on_delete(self._requests.close)
         page.leave = self._requests.close
 
-    def _wish(self, data: Any) -> None:
-        """Take a request: it waits for those before it, unless it is urgent.
+    def _receive(self, data: Any) -> None:
+        """Queue a request, or handle it at once if urgent.
 
-        The page counts them. One that came before, or after one that was lost, is sent again.
+        The page numbers its requests. A repeated one is dropped, and so is one after a gap: the
+        page sends it again.
         """
         is_next = isinstance(data, Mapping) and data.get("nth") == self._heard + 1
         self._heard += is_next
@@ -204,7 +204,7 @@ class PageView:
         task.add_done_callback(self._urgent.discard)
 
     async def _perform(self) -> None:
-        """Perform the person's actions; one in progress when the page goes is completed."""
+        """Handle requests until the page is closed, and complete the current one."""
         try:
             await self._requests.perform(self._page, self._refresh)
         finally:
@@ -218,8 +218,8 @@ class PageView:
         training = page.training
         begun = time.monotonic()
         if page.version == self._seen[1] and training is self._training:
-            is_same = seen == self._seen and self._count % ALSO_EVERY
-            if is_same or begun < self._rests_until:
+            is_same = seen == self._seen and self._count % DRAW_EVERY
+            if is_same or begun < self._draws_from:
                 return
         self._seen, self._training = seen, training
         for panel in self._panels:
@@ -233,4 +233,4 @@ class PageView:
                     logging.getLogger(__name__).exception("panel %s", panel.name)
                     page.tell(f"A part of the page cannot be shown: {why}", "bad")
         took = time.monotonic() - begun
-        self._rests_until = begun + REST * took * len(self._studio.pages)
+        self._draws_from = begun + PAUSE_FACTOR * took * len(self._studio.pages)

@@ -9,19 +9,19 @@ from pathlib import Path
 
 from hitab_client import RunFolder
 from hitab_client.run_processes import RunProcesses, Silence
-from hitab_studio.learned import NO_ITEMS
+from hitab_studio.received_vocabulary import NO_ITEMS
 
 POLL_INTERVAL_SECONDS = 0.5
-"""Period of questions, while a process does not answer."""
+"""Period of requests to the supervisor while a process does not answer."""
 
 
 class Processes:
-    """Says why agents, or the world, do not answer, without ever waiting for that.
+    """Finds out why agents or the world do not answer, without blocking.
 
-    The supervisor is asked in a thread of its own: it may hang itself.
+    The supervisor is asked in a separate thread, since it may hang as well.
 
     Args:
-        folder: run folder of the swarm; "" if it was not started from here: nothing is known.
+        folder: run folder of the swarm; "" if started elsewhere, when no reason is ever known.
     """
 
     def __init__(self, folder: str) -> None:
@@ -32,7 +32,7 @@ class Processes:
         self._next = 0.0
 
     def why(self, absent: Collection[str]) -> Mapping[str, Silence]:
-        """Return the last findings about processes that do not answer; call it again and again.
+        """Return the known reasons, by process, and refresh them; to be called periodically.
 
         Args:
             absent: names of agents, or of the world.

@@ -1,4 +1,4 @@
-"""Past positions of everything, to return to them later."""
+"""Remembered scenes of the world, so that a person can go back to them."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from types import MappingProxyType
 from hitab_studio.scene import Scene
 
 RECENT = 600
-"""Number of remembered moments; at 10 Hz, the last minute."""
+"""Number of remembered scenes; at 10 Hz, the last minute."""
 
 Key = tuple[str, str, int, int]
-"""An example: its agent, automaton, number and cycle."""
+"""Key of an example: agent, automaton, number and cycle."""
 
 
 class RememberedScenes:
-    """Remembers recent moments by the world's cycle, and those of examples permanently.
+    """Remembers recent scenes by the world's cycle, and the scenes of examples permanently.
 
     Attributes:
-        kept: the moments of examples; replaced when there are more, never changed.
+        kept: the scenes of examples; immutable, replaced as a whole.
     """
 
     def __init__(self) -> None:
@@ -27,18 +27,18 @@ class RememberedScenes:
         self._recent: OrderedDict[int, Scene] = OrderedDict()
 
     def see(self, scene: Scene) -> None:
-        """Remember a moment; it replaces one of the same cycle: something was placed since."""
+        """Remember a scene, in place of an earlier one of the same cycle, before a placement."""
         self._recent[scene.cycle] = scene
         self._recent.move_to_end(scene.cycle)
         while len(self._recent) > RECENT:
             self._recent.popitem(last=False)
 
     def keep(self, agent: str, automaton: str, examples: Iterable[tuple[int, int]]) -> None:
-        """Keep the moments of examples, given by number and cycle, that are still remembered."""
+        """Keep the scenes of examples, given by number and cycle, if still remembered."""
         new = {}
         for number, cycle in examples:
             key = (agent, automaton, number, cycle)
-            # Viewers see one state of several cycles: the next older one is as good.
+            # Viewers receive only some cycles, so the next older one is close enough.
             near = (self._recent.get(cycle - back) for back in range(4))
             scene = next((one for one in near if one is not None), None)
             if key not in self.kept and scene is not None:

@@ -1,4 +1,4 @@
-"""A recorded run, to view moment by moment."""
+"""Replay of a recorded run, moment by moment."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class _Line:
 
     def add(self, seconds: float, message: Received) -> None:
         if not self.times:
-            message.decoded()  # refused now, if at all
+            message.decoded()  # raises now rather than during the replay
         self.times.append(seconds)
         self._messages.append(message)
 
     def last(self, seconds: float) -> Any:
-        """Return the last message until then, None if there is none.
+        """Return the last message until that time; None if there is none.
 
-        A page asks for the same one many times, so it is kept.
+        The message is cached, since a page requests the same one many times.
         """
         i = bisect_right(self.times, seconds) - 1
         if i != self._last[0]:
@@ -47,7 +47,7 @@ class _Line:
         return self._last[1]
 
     def until(self, seconds: float) -> Iterator[Any]:
-        """Yield the messages until then, newest first."""
+        """Yield the messages until that time, newest first."""
         for i in range(bisect_right(self.times, seconds) - 1, -1, -1):
             yield self._decoded(i)
 
@@ -66,7 +66,7 @@ class Recording:
         """Read a recording.
 
         Raises:
-            SwarmError: if it cannot be read, or shows no world.
+            SwarmError: if the file cannot be read, or contains no world.
         """
         self.path = path
         self.start = self.seconds = 0.0
@@ -106,19 +106,19 @@ class Recording:
         return {agent: status for agent, status in last.items() if status is not None}
 
     def events(self, seconds: float, agent: str, count: int = 12) -> list[Any]:
-        """Return an agent's last state changes until then, newest first."""
+        """Return an agent's last state changes until that time, newest first."""
         events = self._events.until(self.start + seconds)
         return list(islice((e for e in events if not agent or e.agent == agent), count))
 
 
 @dataclass
 class Labels:
-    """Which behavior each moment of an agent in a recording was.
+    """Labels of an agent's moments in a recording: the behavior of each.
 
     Attributes:
         strip: the labeled moments.
-        offset: when its first moment is, s after the beginning of the recording.
-        chosen: the number of the span that a person looks at; -1 if none.
+        offset: time of the first moment, s after the beginning of the recording.
+        chosen: number of the selected span; -1 if none.
     """
 
     strip: Strip
@@ -131,10 +131,10 @@ class ReplayPlayer:
     """Plays a recording for one page.
 
     Attributes:
-        at: seconds since the beginning.
-        playing: whether it is playing.
-        speed: of playback.
-        labels: of one agent, if a person has asked for them.
+        at: shown time, s since the beginning.
+        playing: whether the time advances.
+        speed: factor of the playback speed.
+        labels: labels of one agent; None before a person requests them.
     """
 
     recording: Recording
@@ -146,7 +146,7 @@ class ReplayPlayer:
 
     @property
     def state(self) -> SwarmState:
-        """The state of the swarm at that moment."""
+        """The state of the swarm at the shown time."""
         if self.at != self._state[0]:
             scene, statuses = self.recording.scene(self.at), self.recording.statuses(self.at)
             self._state = self.at, SwarmState(scene=scene, statuses=statuses)

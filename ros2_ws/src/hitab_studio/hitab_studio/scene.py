@@ -1,7 +1,7 @@
 """The visible part of a world, compact enough to send to a browser ten times a second.
 
-Names, kinds and sizes are sent when they change (the roster); positions are sent as a binary
-frame, little-endian:
+The roster, a message with names, kinds and sizes, is sent when it changes. Positions are sent as a
+binary frame, little-endian:
 
     uint32  1, uint32 n, float64 cycle
     float32 x, y, heading of each thing, n times
@@ -44,9 +44,9 @@ KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
 
 @dataclass(frozen=True, slots=True)
 class Appearance:
-    """How a kind of thing is drawn; see the message `Appearance`.
+    """Appearance of a kind of thing; see the message `Appearance`.
 
-    Kinds that their world declares no look for are drawn like agents.
+    The defaults, for kinds without a declared appearance, are those of agents.
     """
 
     color: str = AGENT_COLOR
@@ -65,13 +65,13 @@ class Scene:
         cycle, episode, episode_cycle, mode, note: as in `WorldState`.
         seconds: simulated time, s.
         size: width and height of the field, m.
-        names, kinds: of everything in it.
-        radii: m, shape (n,).
-        places: x, y, heading, vx, vy, shape (n, 5).
-        said: messages of things, by index.
-        looks: of each kind of thing in it.
+        names, kinds: name and kind of each of the n things.
+        radii: radius of each thing, m, shape (n,).
+        places: x, y, heading, vx, vy of each thing, shape (n, 5).
+        said: messages spoken by things, by index.
+        looks: appearance of each kind of thing.
         center: middle of the field, m.
-        real: whether these are real robots, which cannot be put elsewhere.
+        real: whether the things are real robots, which cannot be placed.
     """
 
     size: tuple[float, float]
@@ -103,7 +103,7 @@ class Scene:
 def scene_of(state: Any) -> Scene:
     """Return the scene of a `WorldState` message."""
     entities = state.entities
-    # Recordings from before the state had a header have a stamp alone.
+    # Old recordings have a stamp instead of a header.
     stamp = state.header.stamp if hasattr(state, "header") else state.stamp
     places = np.array(
         [(e.x, e.y, e.heading, e.vx, e.vy) for e in entities], dtype=np.float64
@@ -123,7 +123,7 @@ def scene_of(state: Any) -> Scene:
 
 
 def _looks(state: Any, kinds: set[str]) -> dict[str, Appearance]:
-    """Return the look of each kind; one that the world has not declared has the usual one."""
+    """Return the appearance of each kind: as declared by the world, or the default."""
     declared = {
         it.kind: Appearance(
             it.color or AGENT_COLOR,
@@ -139,10 +139,10 @@ def _looks(state: Any, kinds: set[str]) -> dict[str, Appearance]:
 
 
 class Palette:
-    """A color for each state that was ever active, in order of appearance.
+    """Assigns colors to states, in the order in which states become active.
 
     Attributes:
-        given: the color of each state so far.
+        given: the assigned colors, by state.
     """
 
     def __init__(self) -> None:
@@ -150,7 +150,7 @@ class Palette:
 
     @property
     def states(self) -> list[str]:
-        """All states so far."""
+        """All states with a color."""
         return [*self.given]
 
     def index(self, state: str) -> int:
@@ -160,12 +160,12 @@ class Palette:
         return self.given.setdefault(state, len(self.given) % len(STATE_COLORS))
 
     def color(self, state: str) -> str:
-        """Return the color of a state as CSS writes it; "" for none."""
+        """Return the color of a state in CSS notation; "" if the state has none."""
         return STATE_COLORS[self.index(state)] if state else ""
 
 
 def roster(scene: Scene, palette: Palette) -> str:
-    """Return the message that names what frames show."""
+    """Return the message with the names and appearances of the things in the frames."""
     return json.dumps(
         {
             "t": "roster",
@@ -183,12 +183,12 @@ def roster(scene: Scene, palette: Palette) -> str:
 
 
 def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) -> bytes:
-    """Return the frame of a moment.
+    """Return the binary frame of a scene.
 
     Args:
-        scene: to show.
+        scene: to encode.
         doing: mode and active state of each agent, by name.
-        palette: gives states their colors.
+        palette: assigns colors to states.
     """
     n = len(scene.names)
     colors = bytearray(n)
@@ -202,14 +202,14 @@ def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) 
 
 
 def said_message(scene: Scene) -> str:
-    """Return the message with what is said."""
+    """Return the message with the messages spoken by things."""
     return json.dumps({"t": "say", "said": [[i, text] for i, text in scene.said.items()]})
 
 
 def state_shown(status: msg.AgentStatus) -> str:
-    """Return by what an agent is colored, without its targets.
+    """Return the state that determines an agent's color, without targets.
 
-    The shown state is the outermost one, or the role given by a commander.
+    This is the role given by a commander, or else the outermost active state.
     """
     path = status.active_path
     if status.superior and status.mode == status.PERFORMING:

@@ -1,4 +1,4 @@
-"""The web server: NiceGUI, with the stream of moments beside it, behind the guard."""
+"""The web server: NiceGUI and the stream of frames, behind the access control."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from fastapi.responses import FileResponse
 from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
 from hitab_studio.access import AccessControl, is_loopback
-from hitab_studio.launching import NONE
+from hitab_studio.launcher import NONE
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Finder
-from hitab_studio.ui_remedies import told
+from hitab_studio.ui_remedies import error_text
 
 STUDIO_TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"
-"""Name of the cookie with the name of the person."""
+"""Cookie with the name of the person."""
 
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
@@ -34,13 +34,13 @@ ICON = (
 
 @dataclass(frozen=True)
 class Address:
-    """Where the page is served.
+    """The address at which the page is served.
 
     Attributes:
-        host, port: to listen on.
-        token: required to open the page; "" if only this machine can reach it.
-        allowed: names by which the page may be opened, such as that of a proxy.
-        root_path: where a proxy shows the page, such as ``/hitab``; "" for the root.
+        host, port: address and port to listen on.
+        token: required to open the page; "" if only this machine can reach the page.
+        allowed: further host names of the page, such as the name of a proxy.
+        root_path: path under which a proxy serves the page, such as ``/hitab``; "" for the root.
     """
 
     host: str = "127.0.0.1"
@@ -61,7 +61,8 @@ class Address:
         """Refuse an address that cannot be served safely.
 
         Raises:
-            SwarmError: if other machines can reach it and it has no token, or it is in use.
+            SwarmError: if other machines can reach an address without a token, or the address is
+                in use.
         """
         if not is_loopback(self.host) and not self.token:
             raise SwarmError(
@@ -91,12 +92,12 @@ def serve(
     """Serve the page until the process is stopped.
 
     Args:
-        find: finds the swarm to connect to.
-        address: where to serve it.
-        startable: the swarms that pages may start, by name; what each is.
+        find: returns the swarm to connect to.
+        address: at which the page is served.
+        startable: descriptions of the swarms that pages may start, by name.
         show: whether to open a browser.
         ready: called once the page can be opened.
-        options: a person's choice of the robots' topics.
+        options: the chosen topics of robots.
 
     Raises:
         SwarmError: if the address cannot be used.
@@ -104,7 +105,7 @@ def serve(
     address.check()
     from nicegui import Client, app, ui
 
-    from hitab_studio.actions.stopping import stop_robots
+    from hitab_studio.actions.stop_actions import stop_robots
     from hitab_studio.page_view import STATIC, PageView
     from hitab_studio.stream import stream
     from hitab_studio.studio import Studio
@@ -126,20 +127,20 @@ def serve(
 
     @app.post("/stop-robots")
     async def stop(request: Request, page: str = "") -> None:
-        """Take an emergency stop, also of a page that this server does not know any more."""
+        """Engage the emergency stop, also for a page opened before a restart of the server."""
         known = studio.pages.get(page)
         stopping = known or studio.open(unquote(request.cookies.get(DEMONSTRATOR, "")))
         try:
             await stop_robots(stopping)
         except SwarmError as error:
-            raise HTTPException(503, told(error)) from None
+            raise HTTPException(503, error_text(error)) from None
         finally:
             if known is None:
                 studio.close(stopping)
 
     @app.post("/leave")
     def leave(page: str = "") -> None:
-        """Close a page that a person has left, without waiting for it to connect again."""
+        """Close a page that a person has left, without waiting for a reconnection."""
         if (left := studio.pages.get(page)) is not None:
             left.leave()
 

@@ -1,4 +1,4 @@
-"""The stream of moments to one page: always the newest moment, however slow the page is."""
+"""The stream of frames to one page, which skips frames if the page is slow."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from hitab_studio.studio import Studio
 
 UNKNOWN_PAGE = 4404
 BROWSER = "hitab_browser"
-"""Name of the cookie with the identity of the browser."""
+"""Cookie with the identity of the browser."""
 
 
 async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
-    """Send moments until the page goes."""
+    """Send the newest frame until the page disconnects."""
     page = studio.pages.get(key)
     await socket.accept()
     if page is None:

@@ -1,4 +1,4 @@
-"""The studio: what all pages share, and what keeps each of them up to date."""
+"""The studio: keeps the state of all pages up to date."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hitab_client import SwarmError, user_name
-from hitab_studio.launching import NONE
+from hitab_studio.launcher import NONE
 from hitab_studio.page import Page, StudioState
-from hitab_studio.people import checked
+from hitab_studio.person_names import checked
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import said_message
 from hitab_studio.swarm_finder import SwarmTarget
@@ -20,20 +20,20 @@ from hitab_studio.swarm_state import SwarmState
 
 REPLAY_SECONDS = 0.1
 
-OF_NO_SWARM = frozenset(
+KEPT_DIALOGS = frozenset(
     {"help", "label", "name", "release", "rename-recording", "delete-recording"}
 )
-"""Dialogs that stay open when the swarm ends."""
+"""Kinds of dialogs that stay open when the swarm ends."""
 
 
 class Studio(StudioState):
-    """Keeps the state of all pages up to date, and passes news to the pages.
+    """Opens and closes pages, and updates their state from the state of the swarm.
 
     Args:
         find: returns the swarm to connect to.
-        startable: the swarms that pages may start, by name; what each is.
-        choose: has another swarm be found from now on, by its run folder.
-        options: a person's choice of the robots' topics.
+        startable: descriptions of the swarms that pages may start, by name.
+        choose: switches to another swarm, given its run folder.
+        options: the chosen topics of robots.
     """
 
     def __init__(
@@ -49,12 +49,12 @@ class Studio(StudioState):
         self._replays: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
-        """Start; call this in the server's loop."""
+        """Connect to the swarm and play recordings; to be called in the server's loop."""
         self._replays = asyncio.create_task(self._play())
         self.link.start()
 
     async def stop(self) -> None:
-        """End."""
+        """Disconnect and stop playing recordings."""
         if self._replays is not None:
             self._replays.cancel()
         await self.link.stop()
@@ -65,8 +65,8 @@ class Studio(StudioState):
         """Return the state of a new page.
 
         Args:
-            demonstrator: name of its person, as the browser has kept it; if it is none: the user
-                who runs the studio.
+            demonstrator: name of the person, from the browser's cookie; the user who runs the
+                studio if not a valid name.
         """
         try:
             name = checked(demonstrator)
@@ -77,7 +77,7 @@ class Studio(StudioState):
         return page
 
     def close(self, page: Page) -> None:
-        """Remove a page that has gone and finished its requests; release its agents."""
+        """Remove a closed page whose requests are finished, and release the page's agents."""
         self.pages.pop(page.id, None)
         for agent in [agent for agent, by in self.held.items() if by is page]:
             del self.held[agent]
@@ -86,7 +86,7 @@ class Studio(StudioState):
     # -- moments ----------------------------------------------------------------------------
 
     def take(self, known: SwarmState) -> None:
-        """Take what is known of the swarm now."""
+        """Update all pages to a new state of the swarm."""
         before, self.known = self.known, known
         if known.revision != before.revision:
             self.touch()
@@ -94,17 +94,17 @@ class Studio(StudioState):
             self.placements.clear()
             self.snapshots = ()
         if known.scene and before.scene and known.scene.episode != before.scene.episode:
-            self.placements.clear()  # that was another game
+            self.placements.clear()  # they belong to the previous episode
         if (known.target != before.target or known.shown is None) and self.present.roster:
-            self._spread([self.present.clear()])
+            self._broadcast([self.present.clear()])
         if before.target is not None and known.target != before.target:
             self._close_dialogs(before.target)
-        self._meet(known)
+        self._forget_former(known)
         for page in self.pages.values():
             page.settle()
         scene = known.shown
         moves = scene is not before.shown
-        # The field shows what agents do in a paused world, too, and who does not answer.
+        # In a paused world, too, colors show the states of agents and whether they answer.
         does = known.statuses is not before.statuses and scene and scene.mode == "paused"
         falls_silent = known.silent is not before.silent or known.gone != before.gone
         messages = []
@@ -114,10 +114,10 @@ class Studio(StudioState):
             if moves and scene.said:
                 messages.append(said_message(scene))
         orders = [json.dumps(order) for order in self._new_orders(known.groups)]
-        self._spread([*messages, *orders])
+        self._broadcast([*messages, *orders])
 
-    def _meet(self, known: SwarmState) -> None:
-        """Forget an earlier swarm once another one is there; a restarted one is the same."""
+    def _forget_former(self, known: SwarmState) -> None:
+        """Forget the former swarm once another one is up; a restarted one is the same swarm."""
         target = known.target
         if target is None or target.problem or not (known.agents or known.scene):
             return
@@ -132,10 +132,10 @@ class Studio(StudioState):
         self._place = place
 
     def _close_dialogs(self, target: SwarmTarget) -> None:
-        """Close what asks about a swarm that has gone."""
+        """Close the dialogs about a swarm that has ended."""
         for page in self.pages.values():
             page.missing_targets = page.shown_numbers = None
-            if page.dialog and page.dialog["kind"] not in OF_NO_SWARM:
+            if page.dialog and page.dialog["kind"] not in KEPT_DIALOGS:
                 page.close_dialog()
                 page.tell(_dialog_closed(target), "note")
 
@@ -154,7 +154,7 @@ class Studio(StudioState):
                 found.append({"t": "order", "from": name, "order": group.order, "to": to})
         return found
 
-    def _spread(self, messages: Sequence[str]) -> None:
+    def _broadcast(self, messages: Sequence[str]) -> None:
         for page in self.pages.values():
             if page.player is None:
                 page.outgoing.extend(messages)
@@ -173,5 +173,5 @@ class Studio(StudioState):
 
 
 def _dialog_closed(target: SwarmTarget) -> str:
-    """Return the message of a page whose dialog was about a swarm that has gone."""
+    """Return the message of a page whose dialog was about a swarm that has ended."""
     return f"The dialog was closed: {target.swarm or 'the swarm'} is not there any more."

@@ -1,4 +1,4 @@
-"""Which swarm the studio connects to: it may not be up yet, and may be replaced at any time."""
+"""Finds the swarm to connect to, which may start, end or be replaced at any time."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from hitab_client.swarm_choice import is_namespace, meant
 
 @dataclass(frozen=True)
 class SwarmTarget:
-    """A swarm, or just a ROS domain that may contain one.
+    """A swarm to connect to, or just a ROS domain that may contain one.
 
     Attributes:
-        domain_id: its ROS domain.
-        swarm: its name; empty if unknown.
-        identity: of its present start, or `STARTED_BY_HAND`: then only nodes that no `hitab up`
-            has started are asked; empty: any node.
-        world: whether it has started a world.
-        namespace: of all its nodes; empty if none.
-        folder: run folder of the swarm; "" if it was started elsewhere.
-        agents: the expected agents.
-        start: when it was started, s since the epoch; 0 if unknown.
-        problem: why no swarm can be chosen to connect to; "" if one can.
-        choices: the swarms among which a person may choose; with this one, if it was found there.
+        domain_id: ROS domain.
+        swarm: name of the swarm; "" if unknown.
+        identity: identity of the present start; `STARTED_BY_HAND` for nodes that no `hitab up` has
+            started; "" for any node.
+        world: whether `hitab up` has started a world.
+        namespace: namespace of all nodes; "" if none.
+        folder: run folder of the swarm; "" if started elsewhere.
+        agents: names of the expected agents.
+        start: time of the start, s since the epoch; 0 if unknown.
+        problem: reason for which there is no swarm to connect to; "" if there is one.
+        choices: the swarms that a person may choose, including this one if found in a run folder.
     """
 
     domain_id: int
@@ -46,14 +46,14 @@ class SwarmTarget:
 
 
 class Finder:
-    """Finds the swarm to connect to, and stays with it while it is up.
+    """Finds the swarm to connect to, and keeps it while it is up.
 
-    A swarm that was started elsewhere (another HITAB_HOME, user or computer) is meant only if its
-    identity is given, as on the command line.
+    A swarm that was started elsewhere (another HITAB_HOME, user or computer) is found only by its
+    identity, as on the command line.
 
     Args:
         swarm: name, identity, namespace or run folder; None for the running or chosen one.
-        run_folder: of a swarm that may be missing from the list of those that are up.
+        run_folder: run folder of a swarm that may be missing from the list of running swarms.
     """
 
     def __init__(self, swarm: str | None = None, run_folder: Path | None = None) -> None:
@@ -64,7 +64,7 @@ class Finder:
         self._kept_name = ""
 
     def choose(self, folder: str) -> None:
-        """Stay with the swarm in this run folder from now on."""
+        """Switch to the swarm in this run folder."""
         self._kept = folder
 
     def __call__(self) -> SwarmTarget:
@@ -92,9 +92,9 @@ class Finder:
         return SwarmTarget(own or 0, self._swarm, problem=f'Swarm "{self._swarm}" is not up.')
 
     def _one_of(self, up: Sequence[Found], domain_id: int) -> SwarmTarget:
-        """Return the swarm that is kept, or the only one; a problem if a person has to choose.
+        """Return the kept swarm, or the only one; a problem if a person has to choose.
 
-        A kept swarm that has ended is not replaced by another one: it may come back.
+        A kept swarm that has ended is not replaced by another one, since it may be restarted.
         """
         shown = next((found for found in up if str(found[0].path) == self._kept), None)
         if shown is None and len(up) == 1 and (self._swarm is not None or not self._kept):

@@ -1,8 +1,8 @@
-"""The connection to the swarm: the server's loop spins a node, and observes the swarm with it.
+"""The connection to the swarm: a node that is spun by the server's loop, and an observer.
 
-It reconnects whenever the swarm has been restarted. All this belongs to the server's loop, as the
-pages do. An error here is shown on the page that caused it, and ends nothing. What pages ask of
-the swarm are coroutines (`hitab_ros.call`), each of which goes on whenever the node was spun.
+The link reconnects after a restart of the swarm. Link and pages run in the server's loop. Requests
+of pages are coroutines (`hitab_ros.call`), each resumed after every spin of the node. An error is
+shown on the page that caused it, and does not end the link.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ LINK_PERIOD_SECONDS = 0.05
 FIND_SECONDS = 1.0
 LEAVE_SECONDS = 10.0
 ERROR_REPEAT_SECONDS = 10.0
-"""Time until the same error is reported again."""
+"""Time before the same error is shown again."""
 
 STUDIO_ENDED = "The studio has ended."
 UNCONNECTED = (
     "The studio is not connected to a swarm: start one, or choose one, in the middle of the page."
 )
 
-FAILURES = 50
-"""Consecutive failed turns after which the link reconnects."""
+FAILURES_MAX = 50
+"""Consecutive failed spins after which the link reconnects."""
 
 
 class SwarmLink:
@@ -49,15 +49,16 @@ class SwarmLink:
 
     Args:
         find: returns the swarm to connect to.
-        tell: called with what is known, whenever that changes.
-        complain: called with an error, and the `page` or `agent` whose pages it concerns.
-        choose: has a swarm be found from now on, by its run folder.
-        options: a person's choice of the robots' topics.
+        tell: called with the state of the swarm after each change.
+        complain: called with an error message and, if it concerns only some pages, the `page` or
+            their `agent`.
+        choose: switches to another swarm, given its run folder.
+        options: the chosen topics of robots.
 
     Attributes:
-        pages: those that are open, by id: each with the `agent` that it views, and whether it is
-            `connected`.
-        colors: of states, in the markers for other viewers.
+        pages: the open pages, by id; `agent` is the viewed agent, and `connected` is true while
+            a browser shows the page.
+        colors: colors of states, by name, for the markers.
     """
 
     def __init__(
@@ -76,22 +77,22 @@ class SwarmLink:
         self._choose = choose
         self._options = options
         self._known = SwarmState()
-        self._why_not = UNCONNECTED
+        self._problem = UNCONNECTED
         self._connected: Connected | None = None
         self._observer: Observer | None = None
-        self._of_threads: set[RosLink] = set()
+        self._job_links: set[RosLink] = set()
         self._chosen = False
-        self._troubles: dict[str, float] = {}
+        self._next_reports: dict[str, float] = {}
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
-        """Begin; call this in the server's loop."""
-        self._why_not = ""
+        """Start connecting; to be called in the server's loop."""
+        self._problem = ""
         self._task = asyncio.create_task(self._run())
 
     async def stop(self) -> None:
-        """Stop, and wait until the node has left."""
-        self._why_not = STUDIO_ENDED
+        """Disconnect, and wait until the node is destroyed."""
+        self._problem = STUDIO_ENDED
         if self._task is not None:
             self._task.cancel()
             with suppress(asyncio.CancelledError):
@@ -100,14 +101,14 @@ class SwarmLink:
     # -- for pages --------------------------------------------------------------------------
 
     async def ask(self, what: Callable[[Connected], Turns[T]], needs: str = "") -> T:
-        """Have a coroutine of the swarm's clients done, and return its result.
+        """Run a coroutine of the swarm's clients, and return its result.
 
         Args:
-            what: returns it.
-            needs: an agent, or `names.WORLD`: if it falls silent, the coroutine ends; "" if none.
+            what: returns the coroutine.
+            needs: the agent or `names.WORLD` whose silence ends the coroutine; "" if none.
 
         Raises:
-            SwarmError: if it cannot be done; the message is for people.
+            SwarmError: if the request fails; the message is for people.
         """
         swarm = await self._swarm()
         coroutine = what(swarm)
@@ -124,55 +125,55 @@ class SwarmLink:
                     raise SwarmError(swarm.ended)
                 if needs in self._known.silent:
                     who = "The world" if needs == names.WORLD else needs
-                    raise SwarmError(f"{who} fell silent meanwhile: look whether it was done.")
+                    raise SwarmError(f"{who} fell silent meanwhile: check whether it was done.")
         finally:
             coroutine.close()
             swarm.asking -= 1
-            if self._observer is not None:  # the caller has its answer already
+            if self._observer is not None:  # show the result with the answer, not a period later
                 self._try(self._observer.look)
                 self._deliver()
 
     async def do(self, job: Callable[[Connected], T], agent: str = "") -> T:
-        """Call a function that blocks for long, in a thread and with a node of its own.
+        """Call a function that blocks for a long time, in a separate thread with a separate node.
 
         Args:
-            job: does it with the swarm.
-            agent: that is concerned, for the reader.
+            job: called with a connection to the swarm.
+            agent: the agent of the job, for readers of the code.
 
         Raises:
-            SwarmError: if it cannot be done; the message is for people.
+            SwarmError: if there is no swarm, or from the job; the message is for people.
         """
         target = (await self._swarm()).target
 
         def work() -> T:
             with RosLink(target.domain_id, name=STUDIO_NODE) as link:
-                self._of_threads.add(link)
+                self._job_links.add(link)
                 try:
                     return job(Connected.to(target, link))
                 finally:
-                    self._of_threads.discard(link)
+                    self._job_links.discard(link)
 
         return await asyncio.to_thread(work)
 
     async def _swarm(self) -> Connected:
-        """Return the swarm, once it is connected to.
+        """Return the connection to the swarm, once established.
 
         Raises:
-            SwarmError: if none is meant.
+            SwarmError: if there is no swarm to connect to.
         """
         while (swarm := self._connected) is None:
-            if self._why_not:
-                raise SwarmError(self._why_not)
+            if self._problem:
+                raise SwarmError(self._problem)
             await asyncio.sleep(SPIN_SECONDS)
         return swarm
 
     def choose(self, folder: str) -> None:
-        """Show the swarm in this run folder from now on, for all pages."""
+        """Switch all pages to the swarm in this run folder."""
         self._choose(folder)
         self._chosen = True
 
     def training(self, agent: str) -> Training | None:
-        """Return a viewed agent's training, as published last."""
+        """Return the last published training of a viewed agent; None if not training."""
         swarm = self._connected
         status = swarm.agents.statuses.get(agent) if swarm is not None else None
         if swarm is None or status is None or not status.training:
@@ -180,12 +181,12 @@ class SwarmLink:
         return swarm.agents.trainings.get(agent)
 
     def want(self, agent: str, behavior: str) -> None:
-        """Ask a watched agent for a behavior of its library."""
+        """Request a behavior from the library of a watched agent."""
         if self._observer is not None and agent in self._observer.watches:
             self._observer.watches[agent].want(behavior)
 
     def probe(self, agent: str, *, on: bool) -> None:
-        """Ask a watched agent for the values of all its features from now on, or no longer."""
+        """Start or stop reading all features of a watched agent."""
         if self._observer is not None and agent in self._observer.watches:
             self._observer.watches[agent].probe(on=on)
 
@@ -197,7 +198,7 @@ class SwarmLink:
             SwarmError: if there is no connection.
         """
         if self._observer is None:
-            raise SwarmError(self._why_not or UNCONNECTED)
+            raise SwarmError(self._problem or UNCONNECTED)
         return self._observer
 
     # -- the loop ---------------------------------------------------------------------------
@@ -212,17 +213,17 @@ class SwarmLink:
                         await asyncio.sleep(FIND_SECONDS)
                 else:
                     await self._connect(target)
-            except Exception as error:  # the loop must outlive whatever goes wrong
+            except Exception as error:  # the loop must survive any error
                 logging.getLogger(__name__).exception("the link to the swarm")
                 why = f"The connection was lost: {what_went_wrong(error)}"
                 self._begin(SwarmTarget(0, problem=why))
                 await asyncio.sleep(FIND_SECONDS)
 
     def _begin(self, target: SwarmTarget) -> None:
-        """Forget the previous swarm: another one, or another start of it, takes its place."""
+        """Reset the known state for another swarm, or for another start of the same swarm."""
         self._chosen = False
-        self._why_not = target.problem
-        before = self._known  # an emergency stop is not the swarm's: it outlasts it
+        self._problem = target.problem
+        before = self._known  # an emergency stop stays engaged when the swarm ends
         self._known = SwarmState(
             target,
             before.revision + 1,
@@ -237,14 +238,14 @@ class SwarmLink:
             await self._use(target, Connected.to(target, link))
 
     async def _use(self, target: SwarmTarget, swarm: Connected) -> None:
-        why = "The connection was lost meanwhile: look whether it was done."
+        why = "The connection was lost meanwhile: check whether it was done."
         try:
             self._observer = Observer(
                 swarm,
                 self._known,
                 self.pages,
                 self.colors,
-                self._trouble,
+                self._report,
                 self.ask,
                 self._options,
             )
@@ -255,7 +256,7 @@ class SwarmLink:
             )
             self._connected = swarm
             await self._serve(target, swarm, self._observer)
-            why = _gone(target)
+            why = _swarm_ended(target)
         except asyncio.CancelledError:
             why = STUDIO_ENDED
             raise
@@ -266,19 +267,19 @@ class SwarmLink:
             self._connected = self._observer = None
             swarm.ended = why
             swarm.spun.set()
-            for other in list(self._of_threads):
+            for other in list(self._job_links):
                 other.end(why)
             while swarm.asking:
                 await asyncio.sleep(0)
 
     async def _serve(self, target: SwarmTarget, swarm: Connected, observer: Observer) -> None:
-        """Spin the node and observe the swarm until another one is meant."""
+        """Spin the node and observe the swarm until the swarm ends or is replaced."""
         failures = 0
         next_look = next_find = 0.0
         while True:
             await asyncio.sleep(SPIN_SECONDS)
             failures = 0 if self._try(lambda: swarm.link.spin(0.0)) else failures + 1
-            if failures >= FAILURES:
+            if failures >= FAILURES_MAX:
                 raise SwarmError("nothing could be received for a while")
             swarm.spun.set()
             swarm.spun.clear()
@@ -289,7 +290,7 @@ class SwarmLink:
                 self._try(observer.look)
             if now >= next_find:
                 next_find = now + FIND_SECONDS
-                self._try(observer.keep_house)
+                self._try(observer.discover)
                 if not self._is_still(target):
                     return
             self._deliver()
@@ -300,10 +301,10 @@ class SwarmLink:
             self._tell(self._known)
 
     def _is_still(self, target: SwarmTarget) -> bool:
-        """Whether the same swarm is meant; if that cannot be found out at the moment, it is.
+        """Whether the target is still to be shown; true also if the search fails for a moment.
 
-        Nodes that were started by hand are meant while any of them answers, whatever else starts,
-        unless a person chooses another swarm.
+        Nodes that were started by hand are shown while any of them answers, unless a person
+        chooses another swarm.
         """
         found = [target]
         self._try(lambda: found.append(self._find()))
@@ -318,25 +319,25 @@ class SwarmLink:
         return True
 
     def _try(self, work: Callable[[], Any]) -> bool:
-        """Call a function and report a failure; return whether it succeeded."""
+        """Call a function and show any error; return whether the function succeeded."""
         try:
             work()
         except Exception as error:
-            self._trouble(what_went_wrong(error), error=error)
+            self._report(what_went_wrong(error), error=error)
             return False
         return True
 
-    def _trouble(self, text: str, *, error: Exception | None = None, **whose: str) -> None:
-        """Show an error: on a page, on those that view an agent, or on all."""
+    def _report(self, text: str, *, error: Exception | None = None, **whose: str) -> None:
+        """Show an error on one page, on the pages that view an agent, or on all pages."""
         now = time.monotonic()
-        if now >= self._troubles.get(text, 0.0):
-            self._troubles[text] = now + ERROR_REPEAT_SECONDS
+        if now >= self._next_reports.get(text, 0.0):
+            self._next_reports[text] = now + ERROR_REPEAT_SECONDS
             logging.getLogger(__name__).error("%s", text, exc_info=error)
             self._complain(text, **whose)
 
 
-def _gone(target: SwarmTarget) -> str:
-    """Return the error of a job whose swarm has gone."""
+def _swarm_ended(target: SwarmTarget) -> str:
+    """Return the error of a request whose swarm has ended."""
     name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
-    what = "went down meanwhile, was started again, or is not shown any more"
-    return f"{name} {what}: look whether it was done."
+    what = "was stopped, restarted or replaced on this page meanwhile"
+    return f"{name} {what}: check whether it was done."

@@ -1,4 +1,4 @@
-"""The known state of the swarm, which is replaced, never changed, so that pages see changes."""
+"""The known state of the swarm: immutable and replaced as a whole, so that pages see changes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import NO_ITEMS
+from hitab_studio.received_vocabulary import NO_ITEMS
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT_MODE, Scene, state_shown
 from hitab_studio.swarm_finder import SwarmTarget
 
 JOINING_SECONDS = 15.0
-"""Agents that were not heard yet may come as long as others do, and for this long afterwards."""
+"""Time after the last new agent for which the studio waits for more agents."""
 
 
 @dataclass(frozen=True)
@@ -30,24 +30,24 @@ class SwarmState:
     Attributes:
         target: the swarm to connect to; None before the first search.
         revision: raised with each change that pages show.
-        world: the last `WorldStatus`.
-        scene: the last moment.
+        world: the last `WorldStatus`; None before the first.
+        scene: the last scene of the world; None before the first.
         statuses: the last `AgentStatus` of each agent, by name.
-        joined: when an agent was last heard for the first time, or else the connection began, on
+        joined: time at which the last new agent was heard, or else of the connection, on the
+            monotonic clock, s.
+        gone: agents whose node has disappeared, with the time of this on the monotonic clock, s.
+        silent: agents, or `names.WORLD`, without signs of life, with the time of the last sign on
             the monotonic clock, s.
-        gone: agents whose node has gone: when that was noticed, s, on the monotonic clock.
-        silent: agents whose process gives no sign of life, and `names.WORLD` if the world's gives
-            none: the time of the last sign, s, on the monotonic clock.
-        why: why processes of these do not answer, as far as the swarm's supervisor knows it.
+        why: reasons for the silence of processes, if the swarm's supervisor knows them.
         groups: the last `CommanderStatus` of each commander, by name.
         watched: states of the viewed agents, by name.
         moments: scenes of the recorded examples.
-        elsewhere: identities of swarms that were started elsewhere; while there is none from here.
-        emergency: the emergency stops that are known.
-        stopped_at: when the first of them was heard, by the wall clock, s.
-        recording: the file of the run being recorded; "" if none is.
+        elsewhere: identities of swarms that were started elsewhere, if none was started here.
+        emergency: the known emergency stops.
+        stopped_at: time at which the first of these was heard, on the wall clock, s.
+        recording: the file of the run being recorded; "" if none.
         recorded: number of recorded messages.
-        robots: state of real robots; None if there is a world, or nothing was heard yet.
+        robots: state of real robots; None with a simulated world, or before an agent is heard.
     """
 
     target: SwarmTarget | None = None
@@ -71,18 +71,18 @@ class SwarmState:
 
     @cached_property
     def agents(self) -> tuple[str, ...]:
-        """Names of the agents that are present or should be."""
+        """Names of the present and of the expected agents."""
         expected = self.target.agents if self.target is not None else ()
         return tuple(sorted({*self.statuses, *expected}, key=natural))
 
     @cached_property
     def unheard(self) -> tuple[str, ...]:
-        """Names of the agents that should be there and were never heard."""
+        """Names of the expected agents that were never heard."""
         return tuple(name for name in self.agents if name not in self.statuses)
 
     @property
     def is_waiting(self) -> bool:
-        """Whether agents that were not heard yet may still come."""
+        """Whether agents that were never heard may still appear."""
         return bool(self.unheard) and time.monotonic() < self.joined + JOINING_SECONDS
 
     def answers(self, agent: str) -> bool:
@@ -91,7 +91,7 @@ class SwarmState:
 
     @property
     def world_answers(self) -> bool:
-        """Whether there is a world, and it gives signs of life."""
+        """Whether a world is present and gives signs of life."""
         return self.world is not None and names.WORLD not in self.silent
 
     @property
@@ -106,7 +106,7 @@ class SwarmState:
 
     @property
     def shown(self) -> Scene | None:
-        """The field that pages show: of the world, else of the robots."""
+        """The field that pages show: the scene of the world, or else of the robots."""
         if self.scene is None and self.robots is not None:
             return self.robots.scene
         return self.scene
@@ -114,7 +114,8 @@ class SwarmState:
     def doing(self) -> dict[str, tuple[str, str]]:
         """Return the mode and the active state of each agent.
 
-        It is `SILENT_MODE` if it does not answer, or if its robot's place is unknown.
+        The mode is `SILENT_MODE` for an agent that does not answer, or whose robot's place is
+        unknown.
         """
         lost = self.robots.lost if self.robots is not None else ()
         return {

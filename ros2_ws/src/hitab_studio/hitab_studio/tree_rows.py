@@ -15,11 +15,11 @@ class Row:
     """A branch of a tree, see `hitab_core.learning.tree_text.rows`.
 
     Attributes:
-        depth: from 0.
-        condition: of the branch; "" in a tree without tests.
+        depth: depth of the branch, from 0.
+        condition: condition of the branch; "" in a tree without tests.
         chances: at a leaf, probability and label of each next state, the most probable first.
-        examples: at a leaf, the number of its examples; not whole if some lacked a value.
-        taken: whether the shown decision took it.
+        examples: at a leaf, the number of examples; not an integer if some lacked a value.
+        taken: whether the shown decision took the branch.
     """
 
     depth: int
@@ -36,8 +36,8 @@ def tree_rows(
 
     Args:
         tree: to show.
-        names: of its features.
-        values: of those features that are known, by name; the decision for them is shown.
+        names: names of the tree's features.
+        values: known values of features, by name; `Row.taken` marks the decision for them.
     """
     rows = []
     for depth, condition, node, path in tree_text.rows(tree.root_, tree.scales_, names):

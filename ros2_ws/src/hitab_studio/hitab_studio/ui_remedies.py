@@ -1,4 +1,4 @@
-"""Where on the page a person does what an error proposes."""
+"""Remedies of errors, with the button or tab of the page that carries them out."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ BUTTONS = {
     Fix.ARM: "Re-arm",
     Fix.DOWN: "Stop in Swarm",
 }
-"""The button, key or tab; without one, a remedy is put in plain words."""
+"""The button, key or tab of each remedy; others are shown in words only."""
 
 
 def in_studio(remedy: Remedy) -> str:
@@ -35,11 +35,11 @@ def in_studio(remedy: Remedy) -> str:
     return f"{remedy}: {place}" if place else str(remedy)
 
 
-def told(error: HitabError) -> str:
-    """Return an error with its remedy on the page."""
+def error_text(error: HitabError) -> str:
+    """Return the text of an error, with the remedies on the page."""
     return "; ".join((error.problem, *map(in_studio, error.remedies)))
 
 
-def answered(answer: Any) -> str:
-    """Return a service's answer with the next step on the page."""
+def answer_text(answer: Any) -> str:
+    """Return the text of a service's answer, with the remedies on the page."""
     return "; ".join((answer.message, *map(in_studio, remedies_of(answer.remedies))))

@@ -1,4 +1,4 @@
-"""Commands that an agent has not taken, because it hangs or has ended, to be sent again."""
+"""Commands that an agent did not acknowledge, and that a person may send again."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ class UnansweredCommand:
 
     Attributes:
         agent: receiver of the command.
-        behavior: with its targets.
-        sequence: number of the command, the same when it is sent again; 0 if it was asked to
-            perform, without a number.
+        behavior: the commanded behavior, with targets.
+        sequence: number of the command, unchanged when sent again; 0 for a request to perform.
     """
 
     agent: str
@@ -27,7 +26,7 @@ class UnansweredCommand:
     sequence: int
 
     def is_taken(self, known: SwarmState) -> bool:
-        """Whether the agent's status shows the command as taken after all."""
+        """Whether the agent has acknowledged the command after all, by its status."""
         status = known.statuses.get(self.agent)
         if status is None or not known.answers(self.agent):
             return False

@@ -1,4 +1,4 @@
-"""Why something on the page does nothing at present; empty if it does something."""
+"""Reasons for which buttons of the page are unavailable; "" if available."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from hitab_studio.page import CHOOSE_FIRST, Page
 
 
 def off(reason: str) -> markupsafe.Markup:
-    """Return the attributes of a button that does nothing at present and says why when pressed.
+    """Return the attributes of an unavailable button, which shows the reason when pressed.
 
-    It can be reached with the keyboard, unlike a disabled one. Place them before ``title``.
+    Unlike a disabled button, an unavailable one can be reached with the keyboard. Place the
+    attributes before ``title``.
     """
     if not reason:
         return markupsafe.Markup()
@@ -20,35 +21,35 @@ def off(reason: str) -> markupsafe.Markup:
 
 
 def world(page: Page) -> str:
-    """Return why the world cannot be controlled."""
+    """Return the reason for which the world cannot be controlled."""
     return page.world_off or ("" if page.studio.known.world else "No world is up.")
 
 
 def training(page: Page) -> str:
-    """Return why keys that only mean something in a training do nothing."""
+    """Return the reason for which keys of a training are unavailable."""
     kept = page.training is not None
     if (why := page.agent_off) or page.is_training or kept:
         return why
-    return f"{page.agent} trains nothing: press Train… above the field to begin."
+    return f"{page.agent} is not being trained: press Train… above the field."
 
 
 def undoing(page: Page) -> str:
-    """Return why nothing can be undone."""
+    """Return the reason for which nothing can be undone."""
     done = page.training.done if page.training is not None else ()
     return training(page) or ("" if done else "There is nothing to undo.")
 
 
 def redoing(page: Page) -> str:
-    """Return why nothing can be redone."""
+    """Return the reason for which nothing can be redone."""
     undone = page.training.undone if page.training is not None else ()
     return training(page) or ("" if undone else "There is nothing to redo.")
 
 
 def testing(page: Page) -> str:
-    """Return why what was learned cannot be tested, or saved."""
+    """Return the reason for which the trained behavior cannot be tested or saved."""
     learned = page.training
     if learned is not None and not any(e.state == START for e in learned.examples):
-        return "There is nothing yet: command the behavior to begin with."
+        return "Nothing is learned yet: command the first behavior."
     return training(page)
 
 
@@ -64,9 +65,9 @@ def training_of(page: Page) -> Training:
 
 
 def nothing_in_training(page: Page) -> str:
-    """Return why what concerns a training cannot be done without one."""
+    """Return the error of a request that needs a training, while there is none."""
     if not page.agent:
         return CHOOSE_FIRST
     if page.is_training:  # its status arrives before its training
-        return f"What {page.agent} trains is not known yet: try again in a moment."
-    return f"{page.agent} is not training anything: begin a training."
+        return f"The training of {page.agent} is not known yet: try again in a moment."
+    return f"{page.agent} is not being trained: press Train… above the field."

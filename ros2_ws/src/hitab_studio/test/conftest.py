@@ -1,4 +1,4 @@
-"""Swarms for the studio's tests: a node that plays a world and its agents, and one a robot."""
+"""Stand-ins for swarms in the studio's tests: a world with agents, and a robot with its agent."""
 
 import array
 import contextlib
@@ -27,11 +27,11 @@ FEATURES = 400
 
 
 class StandIn:
-    """A world that shows itself and two agents that answer, in a thread of their own.
+    """A stand-in for a world and two agents, in a separate thread.
 
     Attributes:
-        target: what the studio is to find.
-        nonsense: whether keeper_2 answers what nobody can read.
+        target: the target to be found by the studio.
+        nonsense: whether keeper_2 gives invalid answers.
         alive: processes that give signs of life.
     """
 
@@ -72,7 +72,7 @@ class StandIn:
         )
 
     def belong_to(self, identity: str) -> None:
-        """Say from now on that all of this was started as a swarm with this identity."""
+        """Publish this identity of the swarm from now on."""
         self._world = self._node.create_publisher(msg.WorldStatus, "/world/status", qos.LATCHED)
         self._world.publish(msg.WorldStatus(world="stand_in", swarm=identity))
         for agent, publisher in self._statuses.items():
@@ -87,7 +87,7 @@ class StandIn:
         return answer
 
     def _read_features(self, _: Any, answer: Any) -> Any:
-        """Answer with many features that all have the same value, another one each time."""
+        """Answer with many features of the same value, which changes with each answer."""
         self._reading += 1
         answer.success = True
         answer.readings = [
@@ -127,11 +127,11 @@ def turned(yaw: float) -> Quaternion:
 
 
 class RobotStandIn:
-    """A robot and its agent, in a thread of their own; what they publish can be changed.
+    """A stand-in for a robot and its agent, in a separate thread, with changeable messages.
 
     Attributes:
-        target: what the studio is to find.
-        odometry, scan, map, picture: what is published; None if nothing is.
+        target: the target to be found by the studio.
+        odometry, scan, map, picture: the published messages; None to publish nothing.
     """
 
     def __init__(self, context: Any, robot: str = ROBOT, yaw: float = 0.0) -> None:
@@ -179,11 +179,11 @@ class RobotStandIn:
         return answer
 
     def listeners(self, what: str) -> int:
-        """Return how many listen to what is published."""
+        """Return the number of subscribers of a topic."""
         return int(self._publishers[what].get_subscription_count())
 
     def stand(self, x: float, y: float, yaw: float) -> None:
-        """Be there."""
+        """Publish odometry at this pose."""
         odometry = Odometry(child_frame_id="base_link")
         odometry.header.frame_id = "odom"
         odometry.pose.pose.position.x, odometry.pose.pose.position.y = x, y
@@ -191,7 +191,7 @@ class RobotStandIn:
         self.odometry = odometry
 
     def see(self, *ranges: float) -> None:
-        """See this behind, at the right, ahead and at the left of the scanner, m."""
+        """Publish a scan with these ranges behind, right, ahead and left of the scanner, m."""
         scan = LaserScan(
             angle_min=-math.pi, angle_increment=math.pi / 2, range_min=0.1, range_max=5.0
         )
@@ -200,11 +200,11 @@ class RobotStandIn:
         self.scan = scan
 
     def film(self, data: bytes, claimed: str = "png") -> None:
-        """Have a camera show this."""
+        """Publish a camera picture."""
         self.picture = CompressedImage(format=claimed, data=array.array("B", data))
 
     def draw_map(self, cells: Any, resolution: float, x: float, y: float, yaw: float) -> None:
-        """Publish a map; its cells as an array of shape (height, width)."""
+        """Publish a map with cells of shape (height, width)."""
         grid = OccupancyGrid(data=array.array("b", np.asarray(cells, np.int8).tobytes()))
         grid.header.frame_id = "map"
         grid.info.height, grid.info.width = np.shape(cells)
@@ -215,7 +215,7 @@ class RobotStandIn:
 
     @staticmethod
     def png(width: int, height: int) -> bytes:
-        """Return a picture."""
+        """Return a PNG of this size."""
         out = io.BytesIO()
         Image.new("RGB", (width, height), "red").save(out, "PNG")
         return out.getvalue()
@@ -245,7 +245,7 @@ class RobotStandIn:
         executor.shutdown()
 
     def end_agent(self) -> None:
-        """End the agent; its robot goes on."""
+        """End the agent, but not the robot."""
         self._agent_ends.set()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The field as markers: what they are, for how long, and who gets them."""
+"""Markers of the field: their content, lifetime and subscribers."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +14,7 @@ COLORS = {"GoFast": 0}
 
 
 class Publisher:
-    """Keeps what is published for a number of subscribers."""
+    """A publisher that keeps the messages, with a given number of subscribers."""
 
     def __init__(self) -> None:
         self.subscribers = 1
@@ -60,7 +60,7 @@ def test_a_world_is_shown_as_often_as_anybody_can_see_and_a_paused_one_at_each_c
     publisher.subscribers = 0
     shown.look(scene(1.0), DOING, COLORS)
     shown.show(scene(2.0), DOING, COLORS)
-    assert publisher.arrays == [], "nothing is made for nobody"
+    assert publisher.arrays == [], "no markers without subscribers"
     publisher.subscribers = 1
     shown.look(None, {}, {})
     for i in range(5):

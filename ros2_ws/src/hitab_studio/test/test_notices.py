@@ -1,4 +1,4 @@
-"""A page shows each message once, says how often it came, and lets it be closed."""
+"""A page shows each message once, with the number of repetitions, until closed."""
 
 from hitab_studio.notices import NOTICE_SECONDS, NOTICES_MAX, Notices
 

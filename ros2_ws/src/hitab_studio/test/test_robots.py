@@ -1,4 +1,4 @@
-"""What robots say is read as ROS reads it, related by tf, and refused if it makes no sense."""
+"""Messages of robots are interpreted as in ROS, related by tf, and refused if invalid."""
 
 import array
 import io
@@ -20,7 +20,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_studio.robots import watch
-from hitab_studio.robots.frames import Frames
+from hitab_studio.robots.tf_frames import Frames
 from hitab_studio.robots.topics import (
     CAMERA,
     COMMAND_TYPE,
@@ -84,10 +84,10 @@ def way(above: str, below: str, x: float, y: float, yaw: float) -> Any:
 
 
 class Node:
-    """Has the graph of some robots, and takes subscriptions.
+    """A node that sees the graph of some robots, and keeps subscriptions.
 
     Attributes:
-        takes: what is called with the messages of topics.
+        takes: callbacks by topic.
     """
 
     def __init__(self, agents: dict[str, Kinds], others: Kinds) -> None:
@@ -125,7 +125,7 @@ class Node:
 
 
 class Watched:
-    """A watch of robots, which are looked at as pages do."""
+    """A watch of robots, called as for an open page."""
 
     def __init__(
         self,
@@ -157,7 +157,7 @@ class Watched:
 
 @pytest.fixture(autouse=True)
 def tf2_msgs(monkeypatch):
-    """Have tf installed, and let each look see what has just come."""
+    """Install a stand-in for tf, and let each look take the newest messages."""
     monkeypatch.setitem(sys.modules, "tf2_msgs", SimpleNamespace())
     monkeypatch.setitem(sys.modules, "tf2_msgs.msg", SimpleNamespace(TFMessage=object))
     monkeypatch.setattr(watch, "WATCH_PERIOD_SECONDS", 0.0)
@@ -198,25 +198,25 @@ def test_a_picture_is_shown_to_who_views_its_robot():
 
 def test_what_makes_no_sense_is_refused_and_the_reason_shown_beside_its_topic():
     huge = bytearray(grid(4096, 4096, [0]))
-    huge[-5:-1] = struct.pack("<I", 2**32 - 1)  # a length that is claimed takes no memory
+    huge[-5:-1] = struct.pack("<I", 2**32 - 1)  # a claimed length must not allocate memory
     for topic, data, why in [
-        ("/odom", odometry(x=math.nan), "nowhere"),
-        ("/odom", odometry(turn=Quaternion(w=0.0)), "orientation that is none"),
-        ("/odom", odometry()[:60], "no Odometry"),
-        ("/scan", scan(angle_increment=math.nan), "rays point"),
+        ("/odom", odometry(x=math.nan), "no valid position"),
+        ("/odom", odometry(turn=Quaternion(w=0.0)), "no valid position and orientation"),
+        ("/odom", odometry()[:60], "invalid Odometry"),
+        ("/scan", scan(angle_increment=math.nan), "directions of its rays"),
         ("/map", grid(2, 2, [0, 0, 0]), "announces 2 x 2 cells and has 3"),
         ("/map", grid(0, 0, []), "has 0 x 0 cells"),
         ("/map", grid(2**31, 2**31, [0]), "can be shown"),
         ("/map", grid(1, 1, [0], math.nan), "cells of nan m"),
-        ("/map", bytes(huge), "no OccupancyGrid"),
+        ("/map", bytes(huge), "invalid OccupancyGrid"),
         ("/map", bytes(17_000_000), "17 MB"),
-        ("/cam", picture(b"GIF89a"), 'neither JPEG nor PNG; it calls itself "jpeg"'),
+        ("/cam", picture(b"GIF89a"), 'neither JPEG nor PNG; its format is "jpeg"'),
         ("/cam", picture(image(640, 480)[:8]), "neither"),
         ("/cam", picture(image(4, 5000, "PNG")), "4 x 5000 pixels"),
     ]:
-        told = {s.topic: s.trouble for s in one_robot().says(topic, data).sensors["a"]}
-        assert [one for one in told if told[one]] == [topic]
-        assert why in told[topic]
+        trouble = {s.topic: s.trouble for s in one_robot().says(topic, data).sensors["a"]}
+        assert [one for one in trouble if trouble[one]] == [topic]
+        assert why in trouble[topic]
 
 
 @given(st.sampled_from(range(4)), st.data())
@@ -239,8 +239,8 @@ def test_whatever_comes_is_read_or_refused(kind, data):
 
 def test_frames_are_related_along_the_tree_and_nonsense_ends_nothing():
     frames = Frames()
-    for told in (("map", "odom", 10.0, 0.0, math.pi / 2), ("odom", "base_link", 1.0, 0.0, 0.0)):
-        frames.take(way(*told))
+    for sent in (("map", "odom", 10.0, 0.0, math.pi / 2), ("odom", "base_link", 1.0, 0.0, 0.0)):
+        frames.take(way(*sent))
     frames.take(way("map", "dock", 0.0, 3.0, 0.0))
     there, back = frames.way("dock", "base_link"), frames.way("base_link", "/dock")
     assert there is not None
@@ -248,7 +248,7 @@ def test_frames_are_related_along_the_tree_and_nonsense_ends_nothing():
     assert there[:2, 3] == pytest.approx((10.0, -2.0))
     assert back @ there == pytest.approx(np.eye(4), abs=1e-12)
     assert frames.way("map", "moon") is None
-    assert frames.way("moon", "moon") is not None, "a frame is where it is, whoever knows it"
+    assert frames.way("moon", "moon") is not None, "the transform of a frame to itself is known"
     frames.take(way("b", "a", 0.0, 0.0, 0.0))
     frames.take(way("a", "b", 0.0, 0.0, 0.0))
     frames.take(way("map", "c", math.nan, 0.0, 0.0))
@@ -263,9 +263,9 @@ def test_robots_stand_in_the_map_where_tf_says_that_their_odometries_began():
     seen.says("/a/odom", odometry("a/odom", 1.0))
     seen.says("/b/odom", odometry("b/odom"))
     seen.says("/a/scan", scan("a/laser", range_max=9.0, ranges=[2.0]))
-    assert seen.places()["a"] == [1.0, 0.0, 0.0], "nobody says otherwise"
-    assert "where b/odom lies in map" in seen.look().notes["b"][0]
-    assert "where a/laser sits on the robot" in seen.look().notes["a"][1]
+    assert seen.places()["a"] == [1.0, 0.0, 0.0], "drawn as if both frames were the same"
+    assert "No tf from b/odom to map" in seen.look().notes["b"][0]
+    assert "No tf from a/laser to the robot" in seen.look().notes["a"][1]
     seen.says("/tf_static", way("base_link", "a/laser", 0.5, 0.0, math.pi / 2))
     seen.says("/tf", way("map", "a/odom", 10.0, 0.0, math.pi / 2))
     seen.says("/tf", way("map", "b/odom", 0.0, -5.0, 0.0))

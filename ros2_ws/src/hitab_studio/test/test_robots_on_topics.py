@@ -1,4 +1,4 @@
-"""Real robots in the studio: what they publish is found, drawn where it is, or refused."""
+"""Real robots in the studio: topics are found, and messages drawn or refused."""
 
 import asyncio
 import math
@@ -21,7 +21,7 @@ ROBOT = "robot_1"
 
 
 class OpenPage:
-    """A page that is open."""
+    """An open page of a studio."""
 
     def __init__(self, studio: Studio) -> None:
         self.studio = studio
@@ -40,12 +40,12 @@ class OpenPage:
             await asyncio.sleep(0.01)
 
     def stands(self, *expected: float) -> bool:
-        """Whether the page shows the robot there."""
+        """Whether the page shows the robot at this pose."""
         scene = self.known.shown
         return scene is not None and np.allclose(scene.places[0, :3], expected, atol=1e-5)
 
     def points(self) -> Any:
-        """Return what the page shows of what the scanner sees."""
+        """Return the points of the scan on the page."""
         return np.frombuffer(self.page.layers()["scans"][4:], "<f4").tolist()
 
     def shown(self, panel: str) -> str:
@@ -119,8 +119,8 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
         await page.until(lambda: {"map", f"camera {ROBOT}"} <= page.page.layers().keys())
         assert page.page.layers()[f"camera {ROBOT}"][4:] == robot.png(4, 3)
         robot.stand(math.nan, 0.0, 0.0)
-        await page.until(lambda: "or nowhere" in page.shown("side"))
-        await page.until(lambda: page.known.shown is None)  # nobody knows where it is
+        await page.until(lambda: "no valid position" in page.shown("side"))
+        await page.until(lambda: page.known.shown is None)  # its pose is unknown
         await page.until(lambda: "No robot has a place yet" in page.shown("overlay"))
         robot.stand(1.0, 0.0, 0.0)
         await page.until(lambda: page.stands(1.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""The page says what a person should know before they press, and where they look."""
+"""The page warns a person in time, and in the place where the person looks."""
 
 import asyncio
 from types import MappingProxyType, SimpleNamespace
@@ -10,11 +10,11 @@ from hitab_client import Learned, SwarmError
 from hitab_core import Example
 from hitab_core.example import ExampleKind
 from hitab_ros.call import blocking
-from hitab_studio.actions import teaching
+from hitab_studio.actions import teaching_actions
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import Vocabulary
 from hitab_studio.page import Page
 from hitab_studio.page_view import RequestQueue, perform
+from hitab_studio.received_vocabulary import Vocabulary
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
@@ -73,7 +73,7 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
             await job(SimpleNamespace(agents=SimpleNamespace(_edit=edit), world=None), ONE)
 
         monkeypatch.setattr(page, "ask_agent", ask_agent)
-        monkeypatch.setattr(teaching.demonstrating, "command", blocking(command))
+        monkeypatch.setattr(teaching_actions.demonstrating, "command", blocking(command))
         requests, seen = RequestQueue(), asyncio.Event()
         performing = asyncio.create_task(
             requests.perform(page, lambda: requests.waiting or seen.set())
@@ -102,7 +102,7 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
 
 
 def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
-    """It would be the key of a behavior otherwise, which nobody meant."""
+    """Otherwise the key would command a behavior."""
 
     async def term(page: Page) -> None:
         done: list[str] = []
@@ -110,7 +110,7 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
         async def commanded(page: Page, behavior: str, seen: int) -> None:
             done.append(behavior)
 
-        monkeypatch.setattr(teaching, "_commanded", commanded)
+        monkeypatch.setattr(teaching_actions, "_commanded", commanded)
         await perform(page, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
         await perform(page, {"do": "command", "behavior": "GoFast", "hotkey": "1"})
         assert done == ["GoTo(ball)"]

@@ -27,7 +27,7 @@ async def until(true: Callable[[], Any], what: str) -> None:
 
 
 def in_the_server(find: Callable[[], Any], term: Callable[[Studio], Awaitable[None]]) -> None:
-    """Run a studio, and use it in its server's loop."""
+    """Run a studio, and call `term` with it in the server's loop."""
 
     async def run() -> None:
         studio = Studio(find)
@@ -42,7 +42,7 @@ def in_the_server(find: Callable[[], Any], term: Callable[[Studio], Awaitable[No
 
 
 def waiting(released: threading.Event) -> Callable[[Any], Any]:
-    """Return a question that waits as all do: for something that ROS has to bring."""
+    """Return a request that waits for a message, as all do."""
 
     async def asked(swarm: Any) -> str:
         assert await swarm.link.until(released.is_set, 2 * SECONDS), "it was not released"
@@ -59,7 +59,7 @@ async def at_once(swarm: Any) -> str:
 
 
 def test_while_one_page_waits_for_an_answer_the_field_moves_and_others_get_theirs(stand_in):
-    """A question that spins the node itself would stop the stream and all others."""
+    """A request that spins the node itself would block the stream and all other requests."""
 
     async def term(studio: Studio) -> None:
         one, two, released = studio.open(), studio.open(), threading.Event()
@@ -77,7 +77,7 @@ def test_while_one_page_waits_for_an_answer_the_field_moves_and_others_get_their
 
 
 def test_what_was_asked_of_a_swarm_that_goes_down_ends_with_the_reason(stand_in):
-    """Else its page is busy until the last of its own deadlines has passed."""
+    """Otherwise the page would be busy until the timeout of the request."""
     target = stand_in.target
 
     async def term(studio: Studio) -> None:
@@ -88,7 +88,7 @@ def test_what_was_asked_of_a_swarm_that_goes_down_ends_with_the_reason(stand_in)
         await until(lambda: page.busy and other.busy, "both were asked for")
         target = dataclasses.replace(target, start=2)
         for asked in (waits, too):
-            with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
+            with pytest.raises(SwarmError, match=r'"stand_in" was stopped, .* check whether'):
                 await asyncio.wait_for(asked, SECONDS)
         assert not page.busy
         assert await asyncio.wait_for(page.ask(at_once), SECONDS) == "at once"
@@ -113,7 +113,7 @@ def test_what_blocks_for_minutes_has_a_thread_and_a_node_and_ends_with_its_swarm
         before = studio.present.frames
         await until(lambda: studio.present.frames > before + 10, "the field stands still")
         target = dataclasses.replace(target, start=2)
-        with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
+        with pytest.raises(SwarmError, match=r'"stand_in" was stopped, .* check whether'):
             await asyncio.wait_for(doing, SECONDS)
 
     in_the_server(lambda: target, term)
@@ -137,18 +137,18 @@ def test_whatever_a_question_raises_reaches_its_page_and_ends_nothing(stand_in, 
 
 
 def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
-    """What looks for the swarm reads files: an error there would end the link for good."""
+    """The search for the swarm reads files: an error would end the link for good."""
     failing, once = threading.Event(), iter([True])
 
     def find() -> Any:
         if next(once, False) or failing.is_set():
-            raise PermissionError("somebody else's run folder")
+            raise PermissionError("another user's run folder")
         return stand_in.target
 
     async def term(studio: Studio) -> None:
         page = studio.open()
         failing.set()
-        await until(lambda: any("run folder" in m.text for m in page.messages.shown), "not told")
+        await until(lambda: any("run folder" in m.text for m in page.messages.shown), "no message")
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
 
@@ -156,7 +156,7 @@ def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
 
 
 def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(stand_in):
-    """Else the pages show old values for ever, and nobody knows why."""
+    """Otherwise the pages would show old values for ever, without a reason."""
     stand_in.nonsense = True
 
     async def term(studio: Studio) -> None:
@@ -165,7 +165,7 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         other.look_at("keeper_1")
         looks.look_at("keeper_2")
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
-        await until(lambda: looks.messages.shown, "it was not told")
+        await until(lambda: looks.messages.shown, "no message")
         assert (
             "The answer of keeper_2 about vocabulary cannot be read"
             in looks.messages.shown[0].text
@@ -180,7 +180,7 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
 def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
     stand_in, monkeypatch, tmp_path
 ):
-    """Else the error leaves a callback: the node would stop, and nobody know why."""
+    """Otherwise the error would end the callback and the node, without a reason."""
 
     class Full(bag_file.Writer):
         def add_message(self, *_: Any, **__: Any) -> None:
@@ -193,7 +193,7 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
         path = str(tmp_path / "run.mcap")
         studio.link.observer.start_recording(path, page.id)
         await until(lambda: studio.known.recording == path, "it has begun")
-        await until(lambda: page.messages.shown, "it was not told")
+        await until(lambda: page.messages.shown, "no message")
         assert "run.mcap ends here: No space left" in page.messages.shown[0].text
         await until(lambda: not studio.known.recording, "it has ended")
         assert not other.messages.shown
@@ -207,7 +207,7 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
 
 
 def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_not(monkeypatch):
-    """Else the agent would be free for others in the middle of it."""
+    """Otherwise others could take the agent in the middle of a request."""
     begun, released, done = asyncio.Event(), asyncio.Event(), []
 
     async def first(page: Any, data: Any) -> None:
@@ -241,7 +241,7 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
 
 
 def asked_twice(monkeypatch: Any, name: str, *wanted: Any) -> list[Any]:
-    """Return what is done of what a page asks for while the first of it is being done."""
+    """Return the handled requests of a page that sends several during the first one."""
     done: list[Any] = []
 
     async def run() -> None:
@@ -279,7 +279,7 @@ def test_what_is_asked_again_before_its_answer_is_done_once(monkeypatch):
 
 
 def test_what_is_asked_again_after_something_else_is_done_again(monkeypatch):
-    """A hurried demonstrator's commands would be lost while the agent takes the first of them."""
+    """Otherwise a hurried demonstrator's commands would be lost during the first one."""
     go, stop = ({"do": "command", "behavior": name} for name in ("GoFast", "Stop"))
     assert asked_twice(monkeypatch, "command", go, stop, go, stop) == [go, stop, go, stop]
 
@@ -287,7 +287,7 @@ def test_what_is_asked_again_after_something_else_is_done_again(monkeypatch):
 def test_what_did_nothing_when_the_page_was_drawn_is_tried_after_what_it_does_not_show(
     monkeypatch,
 ):
-    """Undo, pressed right after the first command, would say that there is nothing to undo."""
+    """Otherwise Undo right after the first command would find nothing to undo."""
     go, off = {"do": "it"}, {"do": "it", "more": 1, "off": "There is nothing to undo."}
     assert asked_twice(monkeypatch, "it", go, off) == [go, {"do": "it", "more": 1}]
     requests = RequestQueue()
@@ -301,6 +301,6 @@ def test_a_step_is_done_as_often_as_it_is_clicked(monkeypatch):
 
 
 def test_what_is_no_wish_at_all_is_dropped(monkeypatch):
-    """A page may send anything over its socket: what performs its requests must survive that."""
+    """A page may send anything over its socket, which must not end the handling of requests."""
     step = {"do": "step"}
     assert asked_twice(monkeypatch, "step", step, None, 7, ["do"], "step", step) == [step] * 2

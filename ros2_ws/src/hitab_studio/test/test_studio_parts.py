@@ -1,4 +1,4 @@
-"""What the studio is made of, without a browser and without a swarm."""
+"""The parts of the studio, without a browser and without a swarm."""
 
 import asyncio
 import struct
@@ -17,8 +17,9 @@ from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import Vocabulary, effect, is_contradicted
+from hitab_studio.example_effects import effect, is_contradicted
 from hitab_studio.page_view import perform
+from hitab_studio.received_vocabulary import Vocabulary
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of, state_shown
 from hitab_studio.studio import Studio
@@ -95,19 +96,19 @@ def learned(*examples: Example) -> Learned:
 
 
 def answer_of(access: AccessControl, kind: str = "http", query: str = "", **headers: str) -> int:
-    """Return the status of a request's answer; of a refused web socket its closing code."""
-    told: list[dict[str, Any]] = []
+    """Return the status of a request's answer, or the closing code of a refused web socket."""
+    sent: list[dict[str, Any]] = []
 
     async def receive() -> dict[str, Any]:
         return {}
 
     async def send(message: dict[str, Any]) -> None:
-        told.append(message)
+        sent.append(message)
 
     raw = [(k.encode(), v.encode()) for k, v in ({"host": "127.0.0.1:80"} | headers).items()]
     scope = {"type": kind, "path": "/", "headers": raw, "query_string": query.encode()}
     asyncio.run(access(scope, receive, send))
-    return int(told[0].get("status") or told[0]["code"])
+    return int(sent[0].get("status") or sent[0]["code"])
 
 
 async def page(scope: Any, receive: Any, send: Any) -> None:
@@ -243,10 +244,10 @@ def test_the_effect_of_a_correction_is_told_in_rules_and_in_decisions():
     kept = [example(1, "Start", 8.0, "GoFast"), example(2, "Start", 2.0, "GoSlow")]
     before = learned(*kept, example(3, "Start", 4.0, "GoSlow"))
     after = learned(*kept, example(3, "Start", 4.0, "GoFast"))
-    told = effect(before, after)
-    assert any("<= 6" in rule for rule in told.rules_gone)
-    assert any("<= 3" in rule for rule in told.rules_new)
-    assert [(e.number, was, now) for e, was, now in told.decisions] == [(3, "GoSlow", "GoFast")]
+    change = effect(before, after)
+    assert any("<= 6" in rule for rule in change.rules_gone)
+    assert any("<= 3" in rule for rule in change.rules_new)
+    assert [(e.number, was, now) for e, was, now in change.decisions] == [(3, "GoSlow", "GoFast")]
 
 
 def test_the_path_of_a_decision_is_lit_in_the_tree():

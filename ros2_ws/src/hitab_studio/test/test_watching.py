@@ -1,4 +1,4 @@
-"""What the studio asks the selected agent, and when it asks again."""
+"""Requests of the studio to the viewed agent, and their repetition."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -12,7 +12,7 @@ from hitab_studio.agent_watch import AgentWatch
 
 
 class Agents:
-    """Stands for a swarm's client that notes what it is asked."""
+    """A stand-in for a swarm's client that records requests."""
 
     prefix = ""
 
@@ -24,7 +24,7 @@ class Agents:
 
 
 class Seen:
-    """An agent as the studio sees it: its status, and what it is asked because of it."""
+    """An agent with a status, and the requests that the studio sends in response."""
 
     def __init__(self) -> None:
         self.agents: Any = Agents()
@@ -42,7 +42,7 @@ class Seen:
         return await what(SimpleNamespace(agents=self.agents))
 
     async def look(self, **changes: Any) -> bool:
-        """Change the status; return whether the agent is then asked what it has learned."""
+        """Change the status; return whether the studio then requests the learned behavior."""
         for name, value in changes.items():
             setattr(self.agents.statuses["ann"], name, value)
         self.asked = 0
@@ -72,7 +72,7 @@ def test_what_was_learned_is_asked_for_when_the_digest_changes_or_something_was_
 
 
 def test_a_behavior_that_is_saved_again_as_it_was_is_asked_for():
-    """Its digest is the same, but its version and description may not be."""
+    """The digest is the same, but version and description may differ."""
 
     async def term(agent: Seen) -> None:
         assert not await agent.look(mode=AgentStatus.TRAINING, training="Chase")

@@ -1,4 +1,4 @@
-"""The page says what is known, and no more: of a swarm that starts, is slow or has ended."""
+"""The page shows the known state of a swarm that starts, is slow or has ended."""
 
 import asyncio
 import time
@@ -25,7 +25,7 @@ OVER = SwarmTarget(0, problem="keepaway has ended. Another swarm is up. Choose t
 
 
 def shown(known: SwarmState, *panels: str, tab: str = "teach", agent: str = ONE) -> str:
-    """Return what panels of a page say."""
+    """Return the text of panels of a page."""
 
     async def made() -> str:
         page = Studio(lambda: SwarmTarget(0)).open()

@@ -1,4 +1,4 @@
-"""The studio acts on the swarm that is meant, or not at all."""
+"""The studio acts on the chosen swarm, or not at all."""
 
 import asyncio
 import contextlib
@@ -30,7 +30,7 @@ def home(tmp_path, monkeypatch):
 
 
 def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
-    # It used to connect to ROS domain 0, whoever was there.
+    # The studio must not connect to any swarm in ROS domain 0.
     done: list[object] = []
 
     async def ask() -> None:
@@ -63,7 +63,7 @@ def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
                 first._note_suspension(30.0)
                 deadline = time.monotonic() + 60.0
                 while time.monotonic() < deadline:
-                    with contextlib.suppress(SwarmError):  # it is connecting
+                    with contextlib.suppress(SwarmError):  # the studio is connecting
                         if await link.ask(its_link) is not first:
                             return True
                     await asyncio.sleep(0.05)
@@ -93,7 +93,7 @@ def test_nodes_that_no_command_has_started_are_meant_in_the_namespace_that_is_gi
 
 @pytest.fixture
 def ups(tmp_path, monkeypatch):
-    """Return a function that says which swarms are up, by the names of their folders."""
+    """Return a function that sets the running swarms, by the names of their folders."""
 
     def up(*names: str) -> None:
         found = []
@@ -224,7 +224,7 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
         await until(lambda: studio.known.target.swarm == "red", "it is shown")
         assert chosen == ["/red"]
         assert (page.agent, page.chosen) == ("", [])
-        # Its world may be seen before it says that it is another swarm's.
+        # A world's state may arrive before the world's identity.
         await until(lambda: not studio.present.frame, "no other world is shown")
         assert studio.known.agents == ("a",)
 

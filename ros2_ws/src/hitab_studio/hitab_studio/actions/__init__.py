@@ -1,4 +1,4 @@
-"""Actions of a person on the page, one module per concern; each registers its actions."""
+"""The actions of a page's requests, registered by the modules of this package."""
 
 from importlib import import_module
 from pkgutil import iter_modules

@@ -1,4 +1,4 @@
-"""The actions by name."""
+"""Registry of the actions, by name."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Action = Callable[[Page, Data], Awaitable[None]]
 
 REGISTERED_ACTIONS: dict[str, Action] = {}
 REPEATED: set[str] = set()
-"""Actions that fast clicking repeats."""
+"""Names of the actions that a double click repeats."""
 
 URGENT: set[str] = set()
-"""Actions that wait for no other one."""
+"""Names of the actions that do not wait for pending ones."""
 
 
 def action(
@@ -25,9 +25,9 @@ def action(
     """Register a function as the action with this name.
 
     Args:
-        name: used by pages.
-        repeats: whether a double click performs it twice; otherwise once.
-        urgent: whether it is performed at once, whatever the page has asked for before.
+        name: name of the action in requests of pages.
+        repeats: whether a double click performs the action twice.
+        urgent: whether the action does not wait for the page's pending requests.
     """
 
     def register(function: Action) -> Action:
@@ -42,10 +42,10 @@ def action(
 
 
 def number_from(values: Data, name: str) -> float:
-    """Return a number that a person typed.
+    """Return the number that a person entered under a name.
 
     Raises:
-        SwarmError: if it is none.
+        SwarmError: if the input is not a number.
     """
     try:
         return float(values[name])

@@ -1,1 +1,1 @@
-"""Real robots on the page: where they are, what their sensors say, their cameras and their map."""
+"""Real robots on the page: poses, sensors, cameras and the map."""

@@ -1,6 +1,6 @@
-"""Where a robot's scanners sit, by the parameters of its agent's node, as `scan.x` and `scan.yaw`.
+"""Mounts of a robot's scanners, from parameters of the agent's node such as `scan.x`, `scan.yaw`.
 
-`hitab_robots` links agents so; the parameters are called as the topic of the scanner.
+`hitab_robots` declares these parameters; their prefix is the name of the scanner's topic.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
 
 from hitab_client import RosLink
-from hitab_studio.robots.frames import Matrix, matrix
+from hitab_studio.robots.tf_frames import Matrix, matrix
 
 MOUNT_FIELDS = ("x", "y", "yaw", "upside_down")
 MOUNT_RETRY_SECONDS = 5.0
-"""Time until an agent that has not answered is asked again."""
+"""Delay before a request without an answer is repeated."""
 
 
 class Mounts:
-    """Asks an agent's node for mounts, without ever waiting for an answer.
+    """Requests the scanners' mounts from an agent's node, without blocking.
 
     Attributes:
-        of: where each scanner sits, by its topic; None if the agent does not know.
+        of: mount of each scanner, by topic; None if the agent has no such parameters.
     """
 
     def __init__(self, link: RosLink, node: str, scans: Sequence[str]) -> None:
@@ -38,7 +38,7 @@ class Mounts:
         self._next = 0.0
 
     def look(self) -> None:
-        """Ask, if that is due."""
+        """Send the request, if due."""
         unknown = [topic for topic in self._scans if topic not in self.of]
         if not unknown or time.monotonic() < self._next or not self._client.service_is_ready():
             return
@@ -59,5 +59,5 @@ class Mounts:
         self.of[topic] = matrix(Point(x=x, y=y), turn)
 
     def close(self) -> None:
-        """Ask no more."""
+        """Stop sending requests."""
         self._node.destroy_client(self._client)

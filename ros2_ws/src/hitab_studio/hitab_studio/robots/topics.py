@@ -1,8 +1,8 @@
-"""Which topics belong to which robot, by the graph of ROS.
+"""Assigns topics to robots by the ROS graph.
 
-Topics that an agent's node subscribes to belong to its robot, whatever was remapped, and with any
-link. Topics without an agent, such as a camera's, are found by their type in the namespaces of the
-agent and of its odometry; those of a single robot, anywhere.
+The topics that an agent's node subscribes to belong to the agent's robot, with any link and any
+remapping. Other topics, such as a camera's, are found by type in the namespaces of the agent and
+of the odometry, or in any namespace if there is only one robot.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ SCAN = "sensor_msgs/msg/LaserScan"
 MAP = "nav_msgs/msg/OccupancyGrid"
 CAMERA = "sensor_msgs/msg/CompressedImage"
 COMMAND_TYPE = "hitab_msgs/msg/Command"
-"""Type of a topic to which only agents subscribe."""
+"""Message type to which only agents subscribe."""
 
 NOT_LISTED = frozenset(
     f"sensor_msgs/msg/{name}"
     for name in ("CameraInfo", "CompressedImage", "Image", "Joy", "PointCloud", "PointCloud2")
 )
-"""No sensors, or so heavy that they are not received just to know how old they are."""
+"""Types that are no sensors, or too large to be received only for the age of a message."""
 
 ROBOTS_MAX = 50
-"""Robots that are shown, by name."""
+"""Maximum number of robots shown, the first by name."""
 
 Graph = Iterable[tuple[str, Sequence[str]]]
 """Topics with their types."""
@@ -35,12 +35,12 @@ Graph = Iterable[tuple[str, Sequence[str]]]
 
 @dataclass(frozen=True)
 class Options:
-    """A person's choices, where there are several; "" and none: the first.
+    """The chosen topics of robots; without a choice, the first is used.
 
     Attributes:
-        map: topic of the map.
-        cameras: topics of cameras, or their ends: ``front/image`` is in the namespace of each
-            robot.
+        map: topic of the map; "" without a choice.
+        cameras: topics of cameras, or their last parts, such as ``front/image`` in the namespace
+            of each robot; empty without a choice.
     """
 
     map: str = ""
@@ -52,9 +52,9 @@ class RobotTopics:
     """The topics of one robot.
 
     Attributes:
-        node: full name of its agent's node; "" if it has gone.
-        sensors: topics of its sensors, with their types; without its camera.
-        odometry, camera: topics; "" if none.
+        node: full name of the agent's node; "" if the node has ended.
+        sensors: types of the sensors' topics, by topic; without the camera.
+        odometry, camera: topics of the odometry and of the camera; "" if none.
     """
 
     node: str = ""
@@ -83,10 +83,10 @@ def robots_topics(
     """Return the topics of each agent's robot.
 
     Args:
-        node: by which the graph is seen.
-        agents: names of agents that are there.
+        node: node whose view of the graph is used.
+        agents: names of the present agents.
         prefix: namespace of the swarm.
-        options: a person's choices.
+        options: the chosen topics.
     """
     graph = node.get_topic_names_and_types()
     agents = sorted(agents, key=natural)[:ROBOTS_MAX]
@@ -99,7 +99,7 @@ def robots_topics(
             continue
         try:
             subscribed = node.get_subscriber_names_and_types_by_node(name, space)
-        except RuntimeError:  # it has gone meanwhile
+        except RuntimeError:  # the node has ended meanwhile
             continue
         if any(COMMAND_TYPE in kinds for _, kinds in subscribed):
             nodes[agent] = f"{space}/{name}"
@@ -140,7 +140,7 @@ def _robot(
 def map_topic(graph: Graph, options: Options) -> str:
     """Return the topic of the map; "" if there is none.
 
-    Of several, one called ``map`` is meant: Nav2 publishes its costmaps with the same type.
+    Of several, the one called ``map`` is preferred: Nav2 publishes costmaps with the same type.
     """
     topics = sorted(_of_type(graph, MAP), key=lambda topic: not topic.endswith("/map"))
     return options.map or next(iter(topics), "")

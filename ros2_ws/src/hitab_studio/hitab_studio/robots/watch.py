@@ -1,4 +1,4 @@
-"""Watches the robots of a swarm without a world, while a page is open; in the link's thread."""
+"""Watches the robots of a swarm without a simulated world, while a page is open."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from hitab_client import RosLink
 from hitab_core import natural
-from hitab_studio.robots.frames import Frames, Matrix, applied, in_plane
-from hitab_studio.robots.messages import SCANS, Grid, Placed
 from hitab_studio.robots.mounts import Mounts
-from hitab_studio.robots.reading import Reading
+from hitab_studio.robots.robot_messages import SCANS, Grid, Placed
+from hitab_studio.robots.tf_frames import Frames, Matrix, applied, in_plane
+from hitab_studio.robots.topic_reader import TopicReader
 from hitab_studio.robots.topics import (
     CAMERA,
     MAP,
@@ -30,27 +30,27 @@ from hitab_studio.robots.topics import (
 from hitab_studio.scene import Appearance, Scene
 
 WATCH_PERIOD_SECONDS = 0.1
-"""Period of the watch: no page shows more."""
+"""Period of the watch; pages are not updated more often."""
 
 MAP_FRAME = "map"  # as in REP 105
 TF_QUEUE = 200
 
 RADIUS = 0.2
-"""m; how large robots are drawn, since no message says how large they are."""
+"""Radius with which robots are drawn, m; no message contains their size."""
 
 STEP = 5.0
-"""m; the ground grows by so much at a time, lest the page move all the time."""
+"""Step in which the ground grows, m, so that the view does not change all the time."""
 
 GROUND_MARGIN = 2.0
-"""m; from a robot to the edge of the ground."""
+"""Distance from a robot to the edge of the ground, m."""
 
 Place = tuple[float, float, float]
-"""x, y in m and heading in rad."""
+"""A pose in the plane: x and y, m, and heading, rad."""
 
 
 @dataclass(frozen=True)
 class SensorStatus:
-    """A sensor for people: its topic and type, the age of its last message, and what is wrong."""
+    """A sensor, for people: topic, type, age of the last message, and trouble if any."""
 
     topic: str
     kind: str
@@ -63,12 +63,12 @@ class Robots:
     """The known state of the robots at one moment.
 
     Attributes:
-        scene: where they are; None if no place is known.
-        lost: names of robots whose odometry is silent: they were there.
-        sensors: of each robot, by the name of its agent; with its camera and the map.
-        notes: remarks about the drawing of each.
-        layers: drawings beside the scene, each as it is sent: "scans", "map", and
-            "camera robot_1" for each camera.
+        scene: poses of the robots; None if no pose is known.
+        lost: names of the robots whose odometry is silent, drawn at their last place.
+        sensors: sensors of each robot, with the camera and the map, by agent.
+        notes: remarks on how each robot is drawn, by agent.
+        layers: binary frames drawn beside the scene: "scans", "map", and "camera robot_1" for the
+            camera of each robot.
     """
 
     scene: Scene | None = None
@@ -84,8 +84,8 @@ class RobotWatch:
     """Finds the robots' topics and listens to them.
 
     Args:
-        link: the node to use.
-        options: a person's choices.
+        link: link with the node to use.
+        options: the chosen topics.
     """
 
     def __init__(self, link: RosLink, options: Options) -> None:
@@ -93,7 +93,7 @@ class RobotWatch:
         self._options = options
         self._topics: dict[str, RobotTopics] = {}
         self._map_topic = ""
-        self._readings: dict[str, Reading] = {}
+        self._readers: dict[str, TopicReader] = {}
         self._mounts: dict[str, Mounts] = {}
         self._frames = Frames()
         self._tf: list[Any] = []
@@ -101,9 +101,9 @@ class RobotWatch:
         self._known = Robots()
 
     def find(self, agents: Collection[str], prefix: str) -> None:
-        """Find the topics that there are now.
+        """Find the present topics of the robots.
 
-        A robot whose agent has ended keeps its topics: its place is still of interest.
+        A robot whose agent has ended keeps its topics, since its place is still of interest.
         """
         node = self._link.node
         for agent, topics in robots_topics(node, agents, prefix, self._options).items():
@@ -115,8 +115,8 @@ class RobotWatch:
         """Return the known state of the robots.
 
         Args:
-            agents: those whose cameras pages show.
-            viewed: whether a page is open; without one, nothing is listened to.
+            agents: the agents whose cameras are shown.
+            viewed: whether a page is open; otherwise all subscriptions end.
         """
         now = time.monotonic()
         if not viewed:
@@ -128,20 +128,20 @@ class RobotWatch:
         return self._known
 
     def close(self) -> None:
-        """Listen no more."""
+        """End all subscriptions."""
         for open_one in self._open():
             open_one.close()
         for subscription in self._tf:
             self._link.node.destroy_subscription(subscription)
-        self._readings.clear()
+        self._readers.clear()
         self._mounts.clear()
         self._tf.clear()
 
-    def _open(self) -> list[Reading | Mounts]:
-        return [*self._readings.values(), *self._mounts.values()]
+    def _open(self) -> list[TopicReader | Mounts]:
+        return [*self._readers.values(), *self._mounts.values()]
 
     def _listen(self, agents: Collection[str]) -> None:
-        """Listen to what pages show, and to nothing else."""
+        """Subscribe to the topics that pages show, and to no others."""
         wanted = {self._map_topic: MAP}
         for agent, robot in self._topics.items():
             wanted |= robot.sensors
@@ -150,17 +150,17 @@ class RobotWatch:
             if agent not in self._mounts and robot.node:
                 self._mounts[agent] = Mounts(self._link, robot.node, robot.scans)
         wanted.pop("", None)
-        for topic in self._readings.keys() - wanted.keys():
-            self._readings.pop(topic).close()
+        for topic in self._readers.keys() - wanted.keys():
+            self._readers.pop(topic).close()
         for topic, kind in wanted.items():
-            if topic not in self._readings:
-                self._readings[topic] = Reading(self._link, topic, kind)
+            if topic not in self._readers:
+                self._readers[topic] = TopicReader(self._link, topic, kind)
         self._listen_to_tf()
         for open_one in self._open():
             open_one.look()
 
     def _listen_to_tf(self) -> None:
-        """Listen to tf, if its messages are installed: they come with ROS 2 only."""
+        """Subscribe to tf, if its messages are installed, as with every ROS 2 distribution."""
         if self._tf:
             return
         try:
@@ -175,8 +175,8 @@ class RobotWatch:
     # -- what is known ----------------------------------------------------------------------
 
     def _value(self, topic: str) -> Any:
-        reading = self._readings.get(topic)
-        return None if reading is None else reading.value
+        reader = self._readers.get(topic)
+        return None if reader is None else reader.value
 
     def _look(self) -> Robots:
         grid: Grid | None = self._value(self._map_topic)
@@ -187,16 +187,16 @@ class RobotWatch:
         notes: dict[str, tuple[str, ...]] = {}
         layers = {"map": grid.drawn} if grid is not None else {}
         for agent, robot in self._topics.items():
-            told: list[str] = []
-            pose, base = self._pose(agent, fixed, told)
+            remarks: list[str] = []
+            pose, base = self._pose(agent, fixed, remarks)
             if pose is not None:
                 places[agent] = in_plane(pose)
-                clouds += self._clouds(agent, pose, base, told)
-            if robot.odometry in self._readings and self._readings[robot.odometry].is_silent:
+                clouds += self._clouds(agent, pose, base, remarks)
+            if robot.odometry in self._readers and self._readers[robot.odometry].is_silent:
                 lost.add(agent)
             if (picture := self._value(robot.camera)) is not None:
                 layers[f"camera {agent}"] = picture
-            notes[agent] = tuple(told)
+            notes[agent] = tuple(remarks)
         scan = np.concatenate([np.empty((0, 2)), *clouds])
         layers["scans"] = struct.pack("<I", SCANS) + scan.astype("<f4").tobytes()
         return Robots(
@@ -208,7 +208,7 @@ class RobotWatch:
         )
 
     def _pose(self, agent: str, fixed: str, notes: list[str]) -> tuple[Matrix | None, str]:
-        """Return where a robot is, by its odometry or tf; None if unknown; and its own frame."""
+        """Return the pose of a robot from odometry or tf, None if unknown, and its base frame."""
         placed: Placed | None = self._value(self._topics[agent].odometry)
         if placed is None:
             base = f"{agent}/base_link"
@@ -218,8 +218,8 @@ class RobotWatch:
             return way @ placed.pose, placed.child
         if len(self._topics) > 1 or self._value(self._map_topic) is not None:
             notes.append(
-                f"No tf says where {placed.frame or 'the frame of its odometry'} lies in "
-                f"{fixed}: it is drawn as if both were the same."
+                f"No tf from {placed.frame or 'the frame of the odometry'} to {fixed}: the robot "
+                "is drawn as if both were the same."
             )
         return placed.pose, placed.child
 
@@ -227,18 +227,18 @@ class RobotWatch:
         """Return the scans of a robot, in the frame of the drawing."""
         found = []
         for topic in self._topics[agent].scans:
-            reading = self._readings[topic]
-            if reading.value is None or reading.is_silent:
+            reader = self._readers[topic]
+            if reader.value is None or reader.is_silent:
                 continue
-            scan, mounts = reading.value, self._mounts.get(agent)
+            scan, mounts = reader.value, self._mounts.get(agent)
             mount = self._frames.way(base, scan.frame)
             if mount is None and mounts is not None:
                 mount = mounts.of.get(topic)
             if mount is None:
                 mount = np.eye(4)
                 notes.append(
-                    f"No tf says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
-                    "is drawn as if it sat in the middle and faced ahead."
+                    f"No tf from {scan.frame or 'the scanner'} to the robot: {topic} is drawn as "
+                    "if the scanner were in the middle and faced ahead."
                 )
             found.append(applied(pose @ mount, scan.points))
         return found
@@ -247,21 +247,21 @@ class RobotWatch:
         robot = self._topics[agent]
         found = []
         for topic, kind in {**robot.sensors, robot.camera: CAMERA, self._map_topic: MAP}.items():
-            reading = self._readings.get(topic)
-            if reading is not None:
-                age = "no message yet" if reading.age is None else f"{reading.age:.1f} s ago"
-                found.append(SensorStatus(topic, kind, age, reading.trouble))
+            reader = self._readers.get(topic)
+            if reader is not None:
+                age = "no message yet" if reader.age is None else f"{reader.age:.1f} s ago"
+                found.append(SensorStatus(topic, kind, age, reader.trouble))
         return tuple(found)
 
 
 def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scene | None:
     """Return the field with the robots; None if no robot's place is known.
 
-    It has no cycles, so that no command is taken to mean a moment of a world.
+    The scene has no cycles, so that commands do not refer to a moment of a world.
 
     Args:
-        places: of robots.
-        around: points that the field has to hold, too, m, each of shape (n, 2).
+        places: places of the robots, by name.
+        around: further points inside the field, m, each of shape (n, 2).
     """
     if not places:
         return None

@@ -1,7 +1,7 @@
-// An arrow from an agent shows a behavior with a direction, again and again while it is dragged.
+// An arrow dragged from an agent commands a behavior with a direction, repeatedly while it moves.
 const EVERY_MS = 200;
 
-// The form of the behavior that an arrow from this thing shows, if such a one is chosen.
+// Returns the open form of a behavior with a direction, if an arrow from thing i sets it.
 function formOf(field, i) {
   const form = document.querySelector("form[data-arrow]");
   return form && i >= 0 && field.roster.names[i] === form.dataset.agent ? form : null;
@@ -14,7 +14,7 @@ export function arrowOf(field, i) {
 export function aim(field, drag, event) {
   const { arrow } = drag;
   arrow.to = field.toField(event.offsetX, event.offsetY);
-  // While the world stands still, its one situation has one direction: the last.
+  // In a paused world the situation does not change, so only the final direction is sent.
   const due = performance.now() - arrow.at > EVERY_MS && field.now.cycle !== arrow.cycle;
   if (due && !document.querySelector(".overlay .busy")) show(field, drag);
 }
@@ -23,10 +23,10 @@ export function letGo(field, drag) {
   if (!drag.arrow.shown || field.now.cycle !== drag.arrow.cycle) show(field, drag);
 }
 
-// Directions are counter-clockwise from where the agent faces.
+// Directions are counter-clockwise from the agent's heading.
 function show(field, { i, arrow }) {
   const form = formOf(field, i);
-  if (!form) return; // it was closed meanwhile
+  if (!form) return; // the form was closed meanwhile
   const { to } = arrow;
   const [x, y, heading] = field.now.places.subarray(3 * i, 3 * i + 3);
   const [low, high] = [Number(form.dataset.low), Number(form.dataset.high)];

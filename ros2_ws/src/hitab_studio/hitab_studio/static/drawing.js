@@ -1,4 +1,4 @@
-// Draws the field: the ground, what is in it, what is said, and what lies beyond the view.
+// Draws the field: ground, things, names, orders and messages.
 import { drawArrow } from "./arrow.js";
 
 // As in markers.py.
@@ -6,11 +6,11 @@ export const STATE_COLORS = [
   "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
   "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
 ];
-const NAMED = 26; // things; with more, names are shown for chosen ones only
-export const MANY = 120; // things; with more, they are drawn smaller
+const NAMED = 26; // maximum number of things for which all names are shown, not only the selected
+export const MANY = 120; // number of things above which they are drawn smaller
 const SILENT = 5; // mode of an agent that does not answer
-export const KNOB = 4.5; // px; radius of such a knob
-const HANDLE = 24; // px; from a thing's edge to the knob that turns it
+export const KNOB = 4.5; // px; radius of the knob that turns a thing
+const HANDLE = 24; // px; from a thing's edge to its knob
 
 export function draw(field) {
   const { context: c, now } = field;
@@ -139,7 +139,7 @@ function drawThings(field, c, screen) {
   }
 }
 
-// An arrowhead: among many, robots differ from round things by it, and show where they look.
+// Adds the arrowhead that represents a robot among many things, and shows its heading.
 function dart(c, x, y, size, angle) {
   const corner = (turn, away) => [
     x + away * size * Math.cos(angle + turn),
@@ -152,7 +152,7 @@ function dart(c, x, y, size, angle) {
   c.closePath();
 }
 
-// The knobs by which a finger or a mouse turns what is chosen.
+// Draws the knobs that turn the selected things.
 function drawHandles(field, c, screen) {
   field.handles = [];
   if (field.fixed) return;
@@ -178,7 +178,7 @@ function drawHandles(field, c, screen) {
   }
 }
 
-// Below each thing, else beside or above it; those that are chosen first, and none on another one.
+// Draws each name below its thing, or else beside or above, without overlaps; selected things first.
 function drawNames(field, c, screen) {
   const { now, roster, chosen, hovered } = field;
   const important = (i) => (chosen.has(roster.names[i]) ? 2 : i === hovered ? 1 : 0);

@@ -1,18 +1,17 @@
-// The field on one canvas: what the stream tells, between two moments too, and where it is on the
-// screen.
+// The field on one canvas: the frames of the stream, interpolated, and their place on the screen.
 import { MANY, draw } from "./drawing.js";
 import { cancelDrag, listen } from "./pointing.js";
 import { Robots } from "./robots.js";
 import { openStream } from "./stream.js";
 
 const ROOM = 122; // px; below the field, for two rows of behaviors
-const ABOVE = 92; // px; for a banner and the legend
-const SMALL_HEIGHT = 500; // px; of a field
+const ABOVE = 92; // px; above the field, for a banner and the legend
+const SMALL_HEIGHT = 500; // px; height below which the field is on a phone
 const BESIDE = 46; // px; at either side, for the buttons at the right
-const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
+const JUMP = 2.5; // m; a thing that moves farther in a cycle was placed, and is not interpolated
 const CALL_MS = 1400;
 const TRAIL = 90;
-const SMALL = 26; // things; with more, they are drawn smaller, and again with many
+const SMALL = 26; // number of things above which they are drawn smaller
 
 class Field {
   constructor(canvas, page) {
@@ -20,7 +19,7 @@ class Field {
     this.context = canvas.getContext("2d");
     this.roster = { names: [], kinds: [], radii: [], size: [20, 20], center: [0, 0], legend: [] };
     this.now = this.before = null;
-    this.shown = 0; // the cycle that is nearest to what was drawn last
+    this.shown = 0; // the cycle nearest to the last drawing
     this.chosen = new Set();
     this.calls = [];
     this.orders = [];
@@ -28,7 +27,7 @@ class Field {
     this.view = { scale: 0, x: 0, y: 0, fitted: true };
     this.drag = null;
     this.hovered = -1;
-    this.handles = []; // knobs that turn what is chosen, on the screen
+    this.handles = []; // knobs that turn the selected things, in screen coordinates
     this.drawn = this.frames = 0;
     this.robots = new Robots(this);
     this.recolor();
@@ -36,11 +35,11 @@ class Field {
     openStream(page, (message) => this.take(message));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
-    // On a phone, what lies over the field takes much of it, and changes.
+    // On a phone, the overlay covers much of the field, and its height changes.
     setInterval(() => this.view.fitted && this.height < SMALL_HEIGHT && this.fit(), 500);
   }
 
-  // -- what comes from the server
+  // -- messages of the server
 
   take(message) {
     if (message.t === "frame") this.takeFrame(message);
@@ -58,7 +57,7 @@ class Field {
   takeRoster(roster) {
     const { size, real } = this.roster;
     if (roster.names.join() !== this.roster.names.join()) {
-      this.cancelDrag(); // what is dragged is another thing by now, or none
+      this.cancelDrag(); // the index of the dragged thing is no longer valid
       this.before = this.now = null;
       this.trails = this.trails && new Map();
     }
@@ -68,7 +67,7 @@ class Field {
     // From the lowest layer to the highest, each in the order of the roster.
     this.order = [...roster.names.keys()].sort((a, b) => this.looks[a].layer - this.looks[b].layer);
     this.index = new Map(roster.names.map((name, i) => [name, i]));
-    // What robots see of the world grows: that is no other field.
+    // The ground of real robots grows as they see more, but the field stays the same.
     const another = !real !== !roster.real || (!real && size[0] !== roster.size[0]);
     if (this.view.fitted || another) this.fit();
     document.getElementById("field-empty")?.setAttribute("hidden", "");
@@ -106,7 +105,7 @@ class Field {
     }
   }
 
-  // -- where things are on the screen
+  // -- screen coordinates
 
   resize() {
     const { clientWidth, clientHeight } = this.canvas.parentElement;
@@ -132,11 +131,11 @@ class Field {
     this.redraw();
   }
 
-  // What lies over the field at its top and bottom; there is room for some rows of behaviors.
+  // Returns the heights of the overlay at the top and bottom, with room for some rows of behaviors.
   margins() {
-    const low = this.roster.real ? 0.36 : 0.25; // of the window: a camera is high
+    const low = this.roster.real ? 0.36 : 0.25; // share of the window; more with a camera
     const high = (part) => document.querySelector(part)?.offsetHeight ?? 0;
-    const small = this.height < SMALL_HEIGHT; // a phone has room for what is there only
+    const small = this.height < SMALL_HEIGHT; // a phone has no room to spare
     const above = Math.max(small ? 0 : ABOVE, high(".notices") + (small ? 30 : ABOVE - 40));
     const below = Math.max(small ? 0 : ROOM, high(".deck") + 28, high("#camera") + 34);
     return [Math.min(above, 0.25 * this.height), Math.min(below, low * this.height)];
@@ -162,7 +161,7 @@ class Field {
     this.redraw();
   }
 
-  // The cycle of what is drawn between two moments.
+  // Returns the cycle at a time between two frames.
   cycleAt(at) {
     const { now, before } = this;
     const between = before && at < 1 && before.cycle < now.cycle;
@@ -227,9 +226,9 @@ class Field {
     });
   }
 
-  // -- what a person does
+  // -- input
 
-  // Whether nothing can be put elsewhere: in a recording, and of real robots.
+  // Whether things cannot be placed, as in a recording and with real robots.
   get fixed() {
     return this.replay || this.roster.real;
   }
@@ -247,19 +246,19 @@ class Field {
     this.redraw();
   }
 
-  // Gives up a drag as if it had not begun; tells whether there was one.
+  // Cancels the drag; returns whether there was one.
   cancelDrag() {
     return cancelDrag(this);
   }
 }
 
-// The server reads it when the page is opened again.
+// Keeps the person's name for the server, which reads it when a page is opened.
 function rememberDemonstrator(name) {
   const year = 365 * 24 * 3600;
   document.cookie = `hitab_demonstrator=${encodeURIComponent(name)}; max-age=${year}; SameSite=Strict; path=/`;
 }
 
-// Tabs of one browser are one person's. It ends with the browser, and the stream tells the server.
+// This cookie identifies the browser, whose tabs belong to one person, until the browser ends.
 if (!document.cookie.includes("hitab_browser=")) {
   const identity = crypto.getRandomValues(new Uint32Array(4)).join("-");
   document.cookie = `hitab_browser=${identity}; SameSite=Strict; path=/`;

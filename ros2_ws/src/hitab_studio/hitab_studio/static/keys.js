@@ -1,7 +1,7 @@
 // The page's keys: the emergency stop, Escape, and keys that click an element (data-hotkey).
-import { stopRobots, told } from "./studio.js";
+import { request, stopRobots } from "./studio.js";
 
-// What has the focus because a person went there with the keyboard, if it is to be pressed.
+// Returns the focused control, if a person reached it with the keyboard.
 function reached() {
   const element = document.activeElement;
   return element?.matches("button, summary, a, input, [role=button]") && element.matches(":focus-visible")
@@ -9,7 +9,7 @@ function reached() {
     : null;
 }
 
-// The emergency stop works wherever the focus is, in a form and in front of a dialog, too.
+// The emergency stop works with any focus, also in forms and dialogs.
 document.addEventListener("keydown", (event) => {
   if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey)) return;
   event.preventDefault();
@@ -21,18 +21,18 @@ const TEXT = new Set(["INPUT", "SELECT", "TEXTAREA"]);
 
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") {
-    if (window.studioField?.cancelDrag()) return; // that was in front
+    if (window.studioField?.cancelDrag()) return; // Escape has cancelled a drag
     const active = document.activeElement;
     if (active?.matches("input[type=search]") && active.value) {
-      event.preventDefault(); // the browser would empty the field without a word to the server
+      event.preventDefault(); // the browser would clear the field without an input event
       active.value = "";
       active.dispatchEvent(new Event("input", { bubbles: true }));
       return;
     }
     const cell = active?.matches("td input");
-    if (cell) active.value = active.defaultValue; // what was typed there is given up
+    if (cell) active.value = active.defaultValue; // discard the input
     if (TEXT.has(active?.tagName)) active.blur();
-    if (!cell) told("escape");
+    if (!cell) request("escape");
     return;
   }
   if (event.key === "Enter" || event.key === " ") {

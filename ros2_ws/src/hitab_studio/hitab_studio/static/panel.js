@@ -1,8 +1,7 @@
-// A part of the page that the server describes as HTML. What is there is changed into what should
-// be there piece by piece, so that focus, scrolling and what was typed stay.
+// A part of the page with HTML from the server. New HTML is patched into the old elements, so that
+// the focus, the scroll position and typed text stay.
 //
-// Nothing moves under a finger: while the pointer is down, what is there stays until the click that
-// it may become has been heard.
+// While the pointer is down, patches wait until after the click, so that nothing moves under it.
 let pressed = false;
 const waiting = new Set();
 function press() {
@@ -10,7 +9,7 @@ function press() {
 }
 function release() {
   if (!pressed) return;
-  // A click comes right after the pointer has gone up.
+  // The browser dispatches the click right after the pointer is up.
   setTimeout(() => {
     pressed = false;
     for (const patch of waiting) patch();
@@ -44,7 +43,7 @@ export default {
   },
 };
 
-// What does something else is another element: a button never becomes the one beside it.
+// Elements with different actions have different keys, so that a button never turns into another.
 function keyOf(node) {
   if (node.nodeType !== 1) return "";
   const { key, do: does, kind, name, number } = node.dataset;
@@ -82,21 +81,21 @@ function patchNode(there, wanted) {
     if (there.nodeValue !== wanted.nodeValue) there.nodeValue = wanted.nodeValue;
     return;
   }
-  if (there.tagName === "CANVAS" || there.isEqualNode(wanted)) return; // what is drawn stays
+  if (there.tagName === "CANVAS" || there.isEqualNode(wanted)) return; // keep the drawing
   const typed = there.type !== "number" || there.value !== there.defaultValue;
   const mine = (document.activeElement === there && typed) || there.dataset.kept !== undefined;
-  // What a person has filled in stays, unless the server describes another value than before.
-  const told = ["value", "checked", "name", "type"].some(
+  // A person's input stays, unless the server has changed the value.
+  const changed = ["value", "checked", "name", "type"].some(
     (name) => there.getAttribute(name) !== wanted.getAttribute(name),
   );
   for (const { name, value } of [...wanted.attributes]) {
     if (name !== "open" && there.getAttribute(name) !== value) there.setAttribute(name, value);
   }
   for (const { name } of [...there.attributes]) {
-    // <details> that a person has opened or closed stay so.
+    // The person opens and closes <details>.
     if (name !== "open" && !wanted.hasAttribute(name)) there.removeAttribute(name);
   }
-  if (there.tagName === "INPUT" && told && !mine) {
+  if (there.tagName === "INPUT" && changed && !mine) {
     if (there.type === "checkbox") there.checked = wanted.hasAttribute("checked");
     else there.value = wanted.getAttribute("value") || "";
   }

@@ -1,12 +1,12 @@
-// What a person does in the field, with a mouse, fingers or the keyboard: chooses things, moves and
-// turns them, and looks closer.
+// Input in the field, with a mouse, fingers or the keyboard: selects, moves and turns things, and
+// moves and zooms the view.
 import { aim, arrowOf, letGo } from "./arrow.js";
 import { KNOB } from "./drawing.js";
 
-const FINGER = 16; // px; how far beside a thing a finger still touches it
-const HOLD_MS = 500; // a finger that stays for so long chooses several
-const STEP = 0.5; // m, of an arrow key; a fifth of it with Shift
-const TURN = Math.PI / 12; // of a key
+const FINGER = 16; // px; distance at which a finger still touches a thing
+const HOLD_MS = 500; // time after which a resting finger adds to the selection
+const STEP = 0.5; // m; step of an arrow key, a fifth of it with Shift
+const TURN = Math.PI / 12; // rad; step of a key that turns
 const SOON_MS = 1500;
 
 export function listen(field) {
@@ -35,8 +35,8 @@ export function listen(field) {
     else if (field.drag && event.type === "pointerup") endDrag(field, event);
     else cancelDrag(field);
   };
-  // Only letting go puts a thing somewhere. The capture is lost after each of the others, too,
-  // and alone when the page is left or something else takes the pointer.
+  // Only releasing the pointer places a thing. Losing the capture cancels the drag, as when the
+  // page is left or something else takes the pointer.
   for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) {
     canvas.addEventListener(name, end);
   }
@@ -73,9 +73,8 @@ function beginDrag(field, event) {
   const finger = event.pointerType === "touch";
   const slack = finger ? FINGER : 6;
   const handle = near(field.handles, ...from, 5 + slack);
-  // A knob may lie on another thing: who touches what is seen of the knob means the knob, and who
-  // touches the thing beside it the thing.
-  // Who chooses several (Shift) means the thing, even if the knob of another one lies over it.
+  // A knob may lie on another thing: a touch of the visible knob takes the knob, a touch beside it
+  // the thing. With Shift, which adds to the selection, any touch takes the thing.
   const knob = !event.shiftKey && near(field.handles, ...from, KNOB + 1.5);
   const thing = knob ? -1 : field.thingAt(...from, handle ? 0 : slack);
   const turning = thing < 0 ? !!handle : event.altKey;
@@ -145,7 +144,7 @@ function endDrag(field, event) {
   field.redraw();
 }
 
-// Shows things there at once, and tells the world, whose answer follows.
+// Draws things at their new places at once, and sends the placement to the world.
 function put(field, places, headings) {
   const things = {};
   const { names } = field.roster;
@@ -161,7 +160,7 @@ function put(field, places, headings) {
   window.studioTell("place", { things });
 }
 
-// Gives up a drag as if it had not begun; tells whether there was one.
+// Cancels the drag; returns whether there was one.
 export function cancelDrag(field) {
   const { drag } = field;
   if (!drag) return false;
@@ -177,7 +176,7 @@ const MOVES = {
   ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
 };
 
-// Does what a key means in the field; tells whether it means anything.
+// Handles a key in the field; returns whether the key has a meaning there.
 function byKey(field, event) {
   if (!field.now) return false;
   const fine = event.shiftKey ? 0.2 : 1;
@@ -198,8 +197,8 @@ function byKey(field, event) {
   return true;
 }
 
-// A key that follows soon goes on from where the last one has put a thing: the world may show it there
-// only later.
+// Changes the places of the selected things. A key that follows soon starts from the last placement,
+// which the world may publish only later.
 function forChosen(field, change) {
   const [places, headings] = [new Map(), new Map()];
   const now = performance.now();
@@ -223,8 +222,8 @@ function chooseNext(field, step) {
   const i = (here + step + names.length) % names.length;
   window.studioTell("choose", { name: names[i] });
   const [x, y] = field.now.places.subarray(3 * i, 3 * i + 2);
-  const told = document.getElementById("field-told");
-  if (told) told.textContent = `${names[i]}, x ${x.toFixed(1)} m, y ${y.toFixed(1)} m`;
+  const report = document.getElementById("field-report");
+  if (report) report.textContent = `${names[i]}, x ${x.toFixed(1)} m, y ${y.toFixed(1)} m`;
 }
 
 function beginPinch(field, pointers) {

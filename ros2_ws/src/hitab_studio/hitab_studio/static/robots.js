@@ -1,7 +1,6 @@
-// Real robots: their map and what their scanners see, on the field, and what the camera of the robot
-// that is viewed sees, beside the keys of its behaviors. Each comes as a binary frame that begins with
-// its kind (robots/messages.py).
-const DOT = 3; // px
+// Real robots: the map and the scans on the field, and the camera picture of the viewed robot beside
+// the buttons of its behaviors. Binary frames begin with their kind (robots/robot_messages.py).
+const DOT = 3; // px; width of a point of a scan
 const SCANS = 2;
 const MAP = 3;
 const PICTURE = 4;
@@ -37,7 +36,7 @@ export class Robots {
     this.recolor();
   }
 
-  // The picture has opacities alone.
+  // Colors the map for the theme: its image contains only opacities.
   recolor() {
     if (!this.map) return;
     const { image } = this.map;

@@ -1,8 +1,8 @@
-// The stream of moments from the server: names and sizes as JSON, places as binary frames. It comes
-// back by itself when the server does.
+// The stream from the server: names and sizes as JSON, positions as binary frames. It reconnects by
+// itself after a restart of the server.
 import { layer } from "./robots.js";
 
-const THINGS = 1; // kind of a binary frame: the things in the field
+const THINGS = 1; // kind of a binary frame with the things in the field
 
 export function openStream(page, take) {
   let socket;
@@ -15,7 +15,7 @@ export function openStream(page, take) {
     socket.onopen = () => (wait = 250);
     socket.onmessage = ({ data }) => take(typeof data === "string" ? JSON.parse(data) : frame(data));
     socket.onclose = ({ code }) => {
-      if (code === 4404) return; // the server no longer knows this page: it reloads
+      if (code === 4404) return; // the server no longer knows this page, which reloads
       setTimeout(open, wait);
       wait = Math.min(2 * wait, 4000);
     };

@@ -1,24 +1,23 @@
-// What a person does on the page, told to the server; clicks and forms. The page says what is
-// meant in its attributes:
+// Requests of the page to the server, from clicks and forms. Attributes of the elements define them:
 //   data-do="name"     on a click, with all other data- attributes
 //   data-change="name" when a control changes, with its value
 //   data-submit="name" when a form is sent, with all its values
 //   data-with-form     on a click or a change, also with all values of the form around it
-//   data-seen          with the cycle that the field showed when the key or the button was pressed
+//   data-seen          with the cycle that the field showed at the key press or click
 //   data-hotkey="k"    pressing the key clicks the element (keys.js)
-//   data-off="why"     it does nothing at present, and says why; the server knows whether it still does nothing
+//   data-off="why"     the element is unavailable, and shows why; the server decides if it still is
 //
-// The server confirms requests. What was sent into a connection that had broken is sent again,
-// with all that came after it.
+// The server confirms requests. A request that was lost with a broken connection is sent again, with
+// all later ones.
 let nth = 0;
 let unheard = [];
 let oldest = 0;
-export function told(what, more = {}) {
-  tellTyped(); // the server hears of everything in the order in which the person did it
+export function request(what, more = {}) {
+  sendTyped(); // the server handles requests in the person's order
   unheard.push({ do: what, ...more, nth: ++nth });
   window.emitEvent("studio", unheard.at(-1));
 }
-window.studioTell = told;
+window.studioTell = request;
 window.studioHeard = (last) => (unheard = unheard.filter((asked) => asked.nth > last));
 setInterval(() => {
   const before = oldest;
@@ -42,18 +41,18 @@ function valuesOf(form) {
   return values;
 }
 
-// The emergency stop has a way of its own: it does not need the page's connection, which may be down
-// or about to be made anew. It is sent again until the server answers, after a reload of the page too.
+// The emergency stop is requested over HTTP, since the page's web socket may be down or reconnecting.
+// The request is repeated until the server answers, also after a reload of the page.
 const PRESSED = "hitab-stop-pressed";
 const GIVE_UP_MS = 30000;
 let stopping = false;
 
-function tellOfStop(text) {
-  let band = document.getElementById("stop-told");
+function reportStop(text) {
+  let band = document.getElementById("stop-report");
   if (!band) {
     band = document.createElement("div");
-    band.id = "stop-told";
-    band.dataset.test = "stop-told";
+    band.id = "stop-report";
+    band.dataset.test = "stop-report";
     band.setAttribute("role", "alert");
     document.body.append(band);
   }
@@ -64,22 +63,22 @@ function tellOfStop(text) {
 async function sendStop() {
   if (stopping) return;
   stopping = true;
-  let told = "";
+  let problem = "";
   while (Number(sessionStorage.getItem(PRESSED)) > Date.now() - GIVE_UP_MS) {
     try {
       const signal = AbortSignal.timeout(3000);
       const answer = await fetch(`stop-robots?page=${window.STUDIO_PAGE}`, { method: "POST", signal });
-      told = answer.ok ? "" : (await answer.json()).detail;
+      problem = answer.ok ? "" : (await answer.json()).detail;
       break;
     } catch {
-      told = "THE ROBOTS WERE NOT STOPPED: the studio does not answer. Use the robots' own switches.";
-      tellOfStop("The studio has not answered yet: asking it again to stop the robots. Use their own switches.");
+      problem = "THE ROBOTS WERE NOT STOPPED: the studio does not answer. Use the robots' own switches.";
+      reportStop("The studio has not answered yet: asking it again to stop the robots. Use their own switches.");
       await new Promise((resolve) => setTimeout(resolve, 300));
     }
   }
   stopping = false;
   sessionStorage.removeItem(PRESSED);
-  tellOfStop(told);
+  reportStop(problem);
 }
 
 export function stopRobots() {
@@ -88,18 +87,17 @@ export function stopRobots() {
 }
 if (sessionStorage.getItem(PRESSED)) sendStop();
 
-// The person's agents are free at once, also for the page that a reload makes, and not only when the
-// server no longer waits for this one to connect again.
+// Releases the person's agents at once, also for the same page after a reload, and not only after the
+// server's timeout for a reconnection.
 addEventListener("pagehide", () => navigator.sendBeacon(`leave?page=${window.STUDIO_PAGE}`));
 addEventListener("pageshow", ({ persisted }) => persisted && location.reload());
 
-// Whether what happens now comes of a further click of a double click: the server tells whether
-// that is meant.
+// Whether the current click is a further one of a double click; the server decides whether it counts.
 let again = false;
 document.addEventListener("click", (event) => (again = event.detail > 1), true);
 document.addEventListener("keydown", () => (again = false), true);
 
-// A mouse or a finger has pressed before it clicks.
+// The cycle shown at the pointer's press, which precedes the click.
 const shown = () => window.studioField?.shown || 0;
 let seen = 0;
 document.addEventListener("pointerdown", () => (seen = shown()), true);
@@ -108,18 +106,18 @@ document.addEventListener("click", (event) => {
   const off = event.target.closest("[data-off]");
   if (off && (!off.dataset.do || off.form)) {
     event.preventDefault();
-    told("why", { reason: off.dataset.off });
+    request("why", { reason: off.dataset.off });
     return;
   }
   const element = event.target.closest("[data-do]");
   if (!element || element.disabled) return;
   if (element.dataset.do === "stop-robots") return stopRobots();
   const control = event.target.closest("input, select");
-  if (control && control !== element && element.contains(control)) return; // of a row that is clickable
+  if (control && control !== element && element.contains(control)) return; // a control in a clickable row
   const form = element.closest("form");
   if (element.type !== "submit" || !form) event.preventDefault();
   else return;
-  told(element.dataset.do, {
+  request(element.dataset.do, {
     ...dataOf(element),
     ...(form && element.dataset.withForm !== undefined ? { values: valuesOf(form) } : {}),
     ...(element.dataset.seen !== undefined ? { seen: event.detail ? seen : shown() } : {}),
@@ -127,7 +125,7 @@ document.addEventListener("click", (event) => {
     shift: event.shiftKey || undefined,
     again: again || undefined,
   });
-  // A key that is pressed next is meant for the page, unless this was reached with the keyboard.
+  // The next key is meant for the page, unless the element was reached with the keyboard.
   if (event.detail) element.blur?.();
 });
 
@@ -136,28 +134,28 @@ document.addEventListener("change", (event) => {
   if (!element) return;
   const value = element.type === "checkbox" ? element.checked : element.value;
   const form = element.dataset.withForm !== undefined && element.closest("form");
-  told(element.dataset.change, { ...dataOf(element), value, ...(form ? { values: valuesOf(form) } : {}) });
-  if (element.type === "number") element.value = element.defaultValue; // until the server agrees
+  request(element.dataset.change, { ...dataOf(element), value, ...(form ? { values: valuesOf(form) } : {}) });
+  if (element.type === "number") element.value = element.defaultValue; // until the server confirms the value
 });
 
-// The server hears of what is typed once the person pauses or does something else.
+// Typed text is sent once the person pauses or does something else.
 let typed = null;
-function tellTyped() {
+function sendTyped() {
   const last = typed;
   typed = null;
   if (!last) return;
   clearTimeout(last.timer);
-  told(last.what, last.data);
+  request(last.what, last.data);
 }
 document.addEventListener("input", (event) => {
   const element = event.target.closest("[data-input]");
   if (!element) return;
   if (typed?.element === element) clearTimeout(typed.timer);
-  else tellTyped();
+  else sendTyped();
   const form = element.dataset.withForm !== undefined && element.closest("form");
   const data = { ...dataOf(element), value: element.value, ...(form ? { values: valuesOf(form) } : {}) };
   delete data.input;
-  const timer = setTimeout(tellTyped, element.type === "range" ? 30 : 150);
+  const timer = setTimeout(sendTyped, element.type === "range" ? 30 : 150);
   typed = { element, what: element.dataset.input, data, timer };
 });
 
@@ -165,7 +163,7 @@ document.addEventListener("submit", (event) => {
   const form = event.target.closest("form[data-submit]");
   if (!form) return;
   event.preventDefault();
-  told(form.dataset.submit, { ...dataOf(form), values: valuesOf(form), again: again || undefined });
+  request(form.dataset.submit, { ...dataOf(form), values: valuesOf(form), again: again || undefined });
 });
 
 document.documentElement.lang = "en";
@@ -192,7 +190,7 @@ document.addEventListener("click", (event) => {
   if (event.target.closest("[data-theme-toggle]")) window.studioTheme();
 });
 
-// While a dialog is open, the keyboard stays in it; afterwards the focus is where it was.
+// An open dialog keeps the keyboard focus; when it closes, the focus returns to its former place.
 let dialog = null;
 let before = null;
 new MutationObserver(() => {

@@ -1,4 +1,4 @@
-"""Views of the page: each panel has a function for its content and a template."""
+"""Views of the page: a function and a template for each panel."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hitab_studio import unavailable
 from hitab_studio.page import Page
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
-from hitab_studio.views.swarm import since
+from hitab_studio.views.tab_swarm import since
 
 Context = dict[str, Any]
 PANELS: dict[str, Callable[[Page], Context]] = {
@@ -32,7 +32,7 @@ PANELS: dict[str, Callable[[Page], Context]] = {
 
 
 def curve(values: Sequence[float], width: float = 88.0, height: float = 20.0) -> str:
-    """Return the points of a little curve."""
+    """Return the points of an SVG polyline through the known values."""
     known = [v for v in values if not math.isnan(v)]
     if len(known) < 2:
         return ""
@@ -47,12 +47,12 @@ def curve(values: Sequence[float], width: float = 88.0, height: float = 20.0) ->
 
 
 def clock(seconds: float) -> str:
-    """Return minutes and seconds."""
+    """Return a time as minutes and seconds, such as ``3:20``."""
     return f"{int(seconds) // 60}:{int(seconds) % 60:02}"
 
 
 def breaks(name: str) -> markupsafe.Markup:
-    """Return the name of a feature such that a narrow column breaks it between its words."""
+    """Return the name of a feature with line breaks allowed between the words."""
     parts = re.split(r"(?<=[a-z])(?=[A-Z(])", name)
     return markupsafe.Markup("<wbr>").join(parts)
 

@@ -1,4 +1,4 @@
-"""The list of agents, under their commanders where there are any."""
+"""The list of agents, as a tree under their commanders."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from hitab_studio.page import Page
 from hitab_studio.scene import state_shown
 
 ROWS_MAX = 80
-"""Rows that are shown; more are found by typing."""
+"""Maximum number of rows shown; others are found by typing."""
 
 UNFOLDED_MAX = 40
-"""Agents that are shown unfolded."""
+"""Maximum number of agents for which the tree is initially unfolded."""
 
 AGENT_LEVELS_MAX = 8
 
@@ -45,13 +45,13 @@ def context(page: Page) -> dict[str, Any]:
 def unfolded(
     agents: Iterable[str], groups: Mapping[str, Any], folds: Mapping[str, bool], viewed: str
 ) -> Iterator[tuple[str, int, int, bool]]:
-    """Yield the visible rows: each name with its depth, how many are below it, and if it is open.
+    """Yield the visible rows: name, depth, number of agents below, and whether unfolded.
 
     Args:
         agents: names of the agents.
         groups: the last `CommanderStatus` of each commander.
         folds: opened (true) and closed commanders, by name.
-        viewed: the viewed one, which is always visible unless a person has closed what holds it.
+        viewed: name of the viewed agent, whose commanders are initially unfolded.
     """
     names = list(agents)
     subordinates = _commanded(groups, names)
@@ -78,10 +78,10 @@ def unfolded(
 
 
 def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, list[str]]:
-    """Return the subordinates of each commander, also of those that were not heard yet.
+    """Return the subordinates of each commander, including commanders not heard yet.
 
-    A commander names its subordinates and its own commander, so a link is known as soon as either
-    end was heard.
+    A commander publishes its subordinates and its superior, so a link is known once either end has
+    been heard.
     """
     there = {*groups, *agents}
     found = {name: [sub.name for sub in group.subordinates] for name, group in groups.items()}
@@ -92,7 +92,7 @@ def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, li
 
 
 def _row(page: Page, status: Any, name: str) -> dict[str, Any]:
-    """Return the row of an agent; of a commander, its order and how many obey it."""
+    """Return the row of an agent; for a commander, with the order and the number that obey."""
     studio, live = page.studio, page.player is None
     holder = page.studio.held.get(name) if live else None
     state = state_shown(status) if status is not None else ""

@@ -1,4 +1,4 @@
-"""The dialog in front of everything else."""
+"""The open dialog of a page."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hitab_core import FLAGS, FeatureKind, Term, shown_unit
-from hitab_studio.actions.library_changes import users_of
-from hitab_studio.graph import Graph, graph
-from hitab_studio.learned import terms
+from hitab_studio.actions.library_actions import users_of
+from hitab_studio.graph_layout import Graph, graph
 from hitab_studio.page import Page
-from hitab_studio.people import LONGEST_NAME
+from hitab_studio.person_names import NAME_LENGTH_MAX
+from hitab_studio.received_vocabulary import terms
+from hitab_studio.views.label_strip import words
 from hitab_studio.views.numbers import counted, measure
-from hitab_studio.views.questions import WHEN_UNSURE
-from hitab_studio.views.strip import words
+from hitab_studio.views.question_titles import WHEN_UNSURE
 
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 
 NAME_FORMAT = "A name is made of letters, digits and _, and begins with a letter, as ApproachBall."
-"""Format of behavior and parameter names, as checked by fields of dialogs."""
+"""Format of behavior and parameter names, as checked by input fields."""
 
 Feature = tuple[str, str, str, str]
-"""A feature with its targets, its description, its kind with its unit, and its present value."""
+"""A feature with targets, its description, its kind and unit, and its present value."""
 
 
 def context(page: Page) -> dict[str, Any]:
@@ -64,7 +64,7 @@ def context(page: Page) -> dict[str, Any]:
             "now_unsure": page.status.when_unsure if page.status is not None else "",
         }
     if kind == "name":
-        found |= {"demonstrator": page.demonstrator, "longest_name": LONGEST_NAME}
+        found |= {"demonstrator": page.demonstrator, "longest_name": NAME_LENGTH_MAX}
     if kind == "distribute":
         found["receivers"] = [agent for agent in page.agents if agent != dialog["agent"]]
     if kind in ("rename-behavior", "delete-behavior"):
@@ -77,7 +77,7 @@ def context(page: Page) -> dict[str, Any]:
 
 
 def _saved(page: Page) -> tuple[str, str]:
-    """Return the typed name and the examples it has, if a behavior of this name is saved."""
+    """Return the typed name and its number of examples, if such a behavior is saved."""
     name = page.dialog.get("typed", "")
     if page.dialog["resume"] or name not in page.watched.vocabulary.trained:
         return ("", "")
@@ -86,7 +86,7 @@ def _saved(page: Page) -> tuple[str, str]:
 
 
 def _features(page: Page, arguments: Sequence[str]) -> list[Feature]:
-    """Return the features to choose from, with these targets and parameters."""
+    """Return the features to choose from, with all choices of these arguments."""
     words = page.watched.vocabulary
     return [
         *(_feature(page, text, term) for text, term in terms(words.features, arguments)),
@@ -95,7 +95,7 @@ def _features(page: Page, arguments: Sequence[str]) -> list[Feature]:
 
 
 def _graph(page: Page) -> Graph | None:
-    """Return the drawing of what would be learned from the chosen features."""
+    """Return the drawing of the automaton learned from the chosen features; None if none."""
     preview = page.dialog["preview"]
     if preview is None or preview.automaton is None:
         return None
@@ -103,7 +103,7 @@ def _graph(page: Page) -> Graph | None:
 
 
 def _feature(page: Page, text: str, term: Term) -> Feature:
-    """Return a feature of the vocabulary with targets, as the dialog offers it."""
+    """Return a feature of the vocabulary with targets, as offered by the dialog."""
     watched = page.watched
     vocabulary, name, label = watched.vocabulary, term.name, str(term)
     kind, unit = vocabulary.kinds.get(name, ""), vocabulary.units.get(name, "")
@@ -116,7 +116,7 @@ def _feature(page: Page, text: str, term: Term) -> Feature:
 
 
 def _described(descriptions: Mapping[str, str], text: str, term: Term) -> str:
-    """Return a description, with the targets of a use in place of the parameters."""
+    """Return a description with the term's targets in place of the parameters."""
     said = descriptions.get(term.name, "")
     for parameter, target in zip(Term.parse(text).arguments, term.arguments, strict=True):
         said = re.sub(rf"\b{re.escape(parameter)}\b", target, said)

@@ -1,4 +1,4 @@
-"""How the page writes numbers: the same everywhere."""
+"""Formats numbers for the page."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from hitab_core import (
 from hitab_studio.page import Page
 
 ONE_DECIMAL_FROM = 100.0
-"""Numbers from here on are written with one decimal less."""
+"""Absolute value from which numbers have one decimal instead of two."""
 
 
 def measure(value: float, kind: str = "", unit: str = "") -> str:
     """Return the value of a feature, with two decimals and its unit; angles in degrees.
 
     Args:
-        value: NaN if there is none.
-        kind: of the feature; a boolean is yes or no, a category its number.
-        unit: of the feature; may be empty.
+        value: value of the feature; NaN if there is none.
+        kind: kind of the feature; a boolean is shown as yes or no, a category as its number.
+        unit: unit of the feature; "" if none.
     """
     if math.isnan(value):
         return "no value"
@@ -46,7 +46,7 @@ def measure(value: float, kind: str = "", unit: str = "") -> str:
 
 
 def measured(page: Page, feature: str, value: float) -> str:
-    """Return the value of a feature of the agent for people, with its unit."""
+    """Return the value of an agent's feature for people, with the unit."""
     words, name = page.watched.vocabulary, Term.parse(feature).name
     kind = FeatureKind.BOOLEAN if name in FLAGS else words.kinds.get(name, "")
     return measure(value, kind, words.units.get(name, ""))
@@ -60,7 +60,7 @@ def duration(seconds: float) -> str:
 
 
 def counted(examples: Sequence[Example]) -> str:
-    """Say how many examples count, and how many are overruled if any is."""
+    """Return a text with the number of examples that count, and of overruled ones if any."""
     count = sum(example.is_learned for example in examples)
     overruled = len(examples) - count
     if not overruled:

@@ -1,4 +1,4 @@
-"""The overlay of the field: what the agent does, who is in control, and what to command."""
+"""The overlay of the field: the agent's activity, and the buttons for commands."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from typing import Any
 from hitab_core import FLAGS, START, BoundedNumber, Fix, Term, some
 from hitab_ros.names import WORLD
 from hitab_studio.absence import absence
-from hitab_studio.actions.teaching import targets_asked, targets_meant
-from hitab_studio.launching import NONE, unknown
+from hitab_studio.actions.teaching_actions import targets_asked, targets_meant
+from hitab_studio.launcher import NONE, unknown
 from hitab_studio.page import Page
-from hitab_studio.views import sensors
+from hitab_studio.views import robot_sensors
+from hitab_studio.views.label_strip import strip
 from hitab_studio.views.perceived import plotted
-from hitab_studio.views.strip import strip
-from hitab_studio.views.swarm import choices
+from hitab_studio.views.tab_swarm import choices
 
 MODE_WORDS = {
     "idle": ("Idle", "no behavior runs"),
     "performing": ("Performing", ""),
     "training": ("Training", "you decide: each command teaches"),
-    "testing": ("Testing", "what was learned decides"),
+    "testing": ("Testing", "the trained behavior decides"),
 }
 
 
@@ -49,7 +49,7 @@ def context(page: Page) -> dict[str, Any]:
         "shown_numbers": _shown_numbers(page),
         "arrow": _arrow(page),
         "legend": _legend(page),
-        "camera": sensors.camera(page),
+        "camera": robot_sensors.camera(page),
         "stopped": "; ".join(faults) if may_not_act else "",
         "faults": [] if may_not_act else faults,
         "strip": strip(page),
@@ -66,14 +66,14 @@ def context(page: Page) -> dict[str, Any]:
 
 
 def _lost_off(page: Page) -> str:
-    """Return why a lost command cannot be sent again now."""
+    """Return the reason for which a lost command cannot be sent again at present."""
     lost = page.lost
     absent = absence(page.studio.known, lost.agent) if lost is not None else None
     return f"{lost.agent} {absent.what}: wait until it answers." if lost and absent else ""
 
 
 def _stuck(page: Page) -> str:
-    """Say why nothing happens while what was learned is tested, if nothing does."""
+    """Return the reason for which a tested agent does nothing; "" if it does something."""
     status, training = page.status, page.training
     if status is None or status.mode != "testing" or training is None or page.player:
         return ""
@@ -83,25 +83,25 @@ def _stuck(page: Page) -> str:
         leads_to = {e.next_state for e in training.examples if e.state == state}
         if leads_to <= {state}:
             return (
-                f"It is in {state}, and no example leads out of {state}: it stays there. Press "
-                "Restart, or take over (T) and show what comes next."
+                f"No example leads out of {state}, so {page.agent} stays there. Press Restart, or "
+                "take over (T) and command the next behavior."
             )
     if world is not None and world.mode == "paused":
-        return "The world is paused: press Space, and it performs what was learned."
+        return "The world is paused: press Space to test the trained behavior."
     return ""
 
 
 def _legend(page: Page) -> list[tuple[str, str]]:
-    """Return the states that are active at the moment, with their colors."""
+    """Return the active states of the agents, with their colors."""
     palette = page.studio.palette
     active = {state for _, state in page.moment.doing().values() if state}
     return [(s, palette.color(s)) for s in palette.states if s in active][:8]
 
 
 def empty(page: Page) -> tuple[str, str, str]:
-    """Return a title, an explanation and what to type, for when there is no field to show."""
+    """Return title, explanation and command line shown in place of a missing field."""
     known, launch = page.studio.known, page.studio.launcher.launch
-    target, finds = known.target, "This page finds it by itself."
+    target, finds = known.target, "This page then connects by itself."
     here = "here or in a terminal" if startable(page) else "in a terminal"
     if page.moment.shown is not None:
         return ("", "", "")
@@ -124,7 +124,7 @@ def empty(page: Page) -> tuple[str, str, str]:
             "",
         )
     if target is not None and target.swarm:
-        where = f"Nothing of it answers yet in ROS domain {target.domain_id}."
+        where = f"No process of the swarm answers yet in ROS domain {target.domain_id}."
         return (f"Waiting for {target.swarm}", where, "")
     if known.elsewhere:
         return (
@@ -137,19 +137,19 @@ def empty(page: Page) -> tuple[str, str, str]:
 
 
 def _to_start(page: Page) -> dict[str, Any]:
-    """Return the swarms to choose from, and the one that is chosen to be started."""
+    """Return the swarms that may be started, and the chosen one."""
     swarms = NONE if page.studio.launcher.is_busy else startable(page)
     name = _proposed(page)
     return {"startable": swarms, "to_start": name if name in swarms else next(iter(swarms), "")}
 
 
 def _proposed(page: Page) -> str:
-    """Return the swarm that is proposed to be started: the chosen one, else keepaway."""
+    """Return the swarm that the page proposes to start: the chosen one, or else keepaway."""
     return page.to_start or "keepaway"
 
 
 def startable(page: Page) -> Mapping[str, str]:
-    """Return the swarms that may be started now, each with a description; none while one is up."""
+    """Return descriptions of the swarms that may be started, by name; {} while one is up."""
     known = page.studio.known
     target = known.target
     up = target is not None and (target.choices or (target.swarm and not target.problem))
@@ -157,7 +157,7 @@ def startable(page: Page) -> Mapping[str, str]:
 
 
 def _buttons(page: Page) -> list[dict[str, Any]]:
-    """Return the behaviors that may be commanded: those chosen for the training, else all."""
+    """Return the behaviors that may be commanded: the training's choice, or else all."""
     status, watched = page.status, page.watched
     vocabulary, training = watched.vocabulary, page.training
     if status is None or page.player is not None or not vocabulary.behaviors:
@@ -186,16 +186,16 @@ def _buttons(page: Page) -> list[dict[str, Any]]:
 
 
 def _shown_numbers(page: Page) -> tuple[BoundedNumber, ...]:
-    """Return the numbers of the behavior that is being shown."""
+    """Return the numbers of the behavior whose form is open."""
     if page.shown_numbers is None:
         return ()
     return page.watched.vocabulary.numbers_of(page.shown_numbers.behavior)
 
 
 def _arrow(page: Page) -> BoundedNumber | None:
-    """Return the number that an arrow from the agent gives: its direction from where it faces.
+    """Return the number set by an arrow from the agent, relative to the agent's heading.
 
-    With a target, a direction may be relative to that.
+    None if there is no such number, or with a target, to which a direction may be relative.
     """
     if page.shown_numbers is None or Term.parse(page.shown_numbers.behavior).arguments:
         return None
@@ -210,6 +210,6 @@ def _kind(name: str, trained: frozenset[str]) -> str:
 
 
 def _targets(page: Page) -> list[tuple[str, bool]]:
-    """Return the targets that may be given, with whether what is chosen in the field means it."""
+    """Return the targets to choose from, each with whether a selected thing stands for it."""
     meant = {t for name in page.chosen for t in targets_meant(page, name)}
     return [(t, t in meant) for t in targets_asked(page)]

@@ -11,10 +11,10 @@ Readings = Mapping[tuple[str, str], tuple[float, ...]]
 
 
 def perceived(page: Page) -> Readings:
-    """Return the features of the automata that are active; of none: all that the agent has.
+    """Return the features of the active automata; all features of the agent if none is active.
 
-    As in `hitab perceive`, a feature is left out that has one target twice, and what tells of an
-    automaton alone.
+    As in `hitab perceive`, features with the same target twice, and features of the automaton
+    itself, are left out.
     """
     readings = {key: history for key, history in page.watched.readings.items() if history}
     of_automata = {key: history for key, history in readings.items() if key[0]}
@@ -29,6 +29,6 @@ def _is_of_the_body(feature: str) -> bool:
 
 
 def plotted(page: Page) -> Readings:
-    """Return the features drawn over time in place of an empty field."""
+    """Return the features plotted in place of an empty field; {} if the field is not empty."""
     scene = page.moment.shown
     return {} if scene is not None and scene.names else perceived(page)

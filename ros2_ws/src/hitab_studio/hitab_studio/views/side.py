@@ -6,15 +6,22 @@ from typing import Any
 
 from hitab_studio.absence import absence
 from hitab_studio.page import Page
-from hitab_studio.views import examples, learned, library, record, swarm, teach
+from hitab_studio.views import (
+    tab_examples,
+    tab_learned,
+    tab_library,
+    tab_record,
+    tab_swarm,
+    tab_teach,
+)
 
 TABS = {
-    "teach": teach.context,
-    "learned": learned.context,
-    "examples": examples.context,
-    "library": library.context,
-    "swarm": swarm.context,
-    "record": record.context,
+    "teach": tab_teach.context,
+    "learned": tab_learned.context,
+    "examples": tab_examples.context,
+    "library": tab_library.context,
+    "swarm": tab_swarm.context,
+    "record": tab_record.context,
 }
 
 AGO_MEANS = (
@@ -23,7 +30,7 @@ AGO_MEANS = (
 )
 
 IN_REPLAY = ("learned", "record")
-"""Tabs that show a recording; the others are about the swarm as it is now."""
+"""Tabs available in a replay; the others show the present swarm."""
 
 
 def context(page: Page) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.page import Page
 from hitab_studio.views.overlay import empty
-from hitab_studio.views.swarm import absent
+from hitab_studio.views.tab_swarm import absent
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
@@ -50,6 +50,6 @@ def emergency(page: Page) -> dict[str, Any]:
     return {
         "stop": known.emergency.who,
         "since": time.strftime("%H:%M:%S", time.localtime(known.stopped_at)),
-        # Agents in no simulated world drive robots that can do harm.
+        # Agents without a simulated world drive real robots, which can do harm.
         "robots": bool(known.statuses) and known.world is None,
     }

@@ -1,4 +1,4 @@
-"""One topic of a robot: what its newest message says, and how old it is."""
+"""The newest message of a robot's topic: its content and age."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rclpy.serialization import deserialize_message
 from hitab_client import RosLink, SwarmError
 from hitab_client.recording import message_class
 from hitab_ros import qos
-from hitab_studio.robots.messages import (
+from hitab_studio.robots.robot_messages import (
     ROBOT_MESSAGE_BYTES_MAX,
     Refused,
     map_of,
@@ -22,21 +22,21 @@ from hitab_studio.robots.messages import (
 from hitab_studio.robots.topics import CAMERA, MAP, ODOM_TYPE, SCAN
 
 ROBOT_SILENT_SECONDS = 2.0
-"""Silence after which the robot's place is unknown, and its scan is not drawn any more."""
+"""Silence after which a robot's place is unknown, and a scan is no longer drawn."""
 
 READERS = {ODOM_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 
 
-class Reading:
+class TopicReader:
     """Keeps the newest message of a topic.
 
     Attributes:
-        value: of the last message; None if there is none, or it was refused.
-        trouble: why it was refused; "" if it was not.
+        value: content of the last message; None before the first or if invalid.
+        trouble: reason for which the message or the topic cannot be used; "" if none.
     """
 
     def __init__(self, link: RosLink, topic: str, kind: str) -> None:
-        """Listen from now on, unless the type is not installed."""
+        """Subscribe to the topic, if the message type is installed."""
         self.value: Any = None
         self.trouble = ""
         self._node = link.node
@@ -58,7 +58,7 @@ class Reading:
         self._heard, self._new = time.monotonic(), data
 
     def look(self) -> None:
-        """Read the newest message; of several that came since the last look, no other one."""
+        """Decode the newest message, and skip older ones."""
         data, self._new = self._new, None
         if data is None or self._read is None:
             return
@@ -72,13 +72,13 @@ class Reading:
             raise Refused(f"sends {len(data) / 1e6:.0f} MB in one message, too many to show")
         try:
             return deserialize_message(data, self._class)
-        except Exception as error:  # of the middleware, whichever it is
+        except Exception as error:  # the type depends on the middleware
             why = " ".join(str(error).split())[:100]
-            raise Refused(f"sends what is no {self._class.__name__}: {why}") from None
+            raise Refused(f"sends an invalid {self._class.__name__}: {why}") from None
 
     @property
     def age(self) -> float | None:
-        """How long ago the last message came, s; None if none came."""
+        """Time since the last message, s; None before the first."""
         return None if self._heard is None else time.monotonic() - self._heard
 
     @property

@@ -1,4 +1,4 @@
-"""Starting and stopping swarms."""
+"""Actions that start, choose and stop swarms."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ async def swarm_start(page: Page, data: Data) -> None:
 
 @action("swarm-about", repeats=True)
 async def swarm_about(page: Page, data: Data) -> None:
-    """Say what the swarm is that is chosen to be started."""
+    """Show the description of a swarm that may be started."""
     page.to_start = str(data["value"])
 
 
 @action("swarm-choose")
 async def swarm_choose(page: Page, data: Data) -> None:
-    """Show another swarm that is up, on all pages."""
+    """Switch all pages to another running swarm."""
     target = page.studio.known.target
     chosen = (
         next((c for c in target.choices if c.folder == data["name"]), None) if target else None
@@ -45,12 +45,12 @@ async def swarm_stop(page: Page, data: Data) -> None:
     """Stop the swarm."""
     target = page.studio.known.target
     if target is None or not target.folder:
-        raise SwarmError("No swarm is up that could be stopped.")
+        raise SwarmError("No swarm that this page can stop is up.")
     page.close_dialog()
     page.studio.launcher.run("down", target.swarm)
 
 
 @action("launch-dismiss")
 async def launch_dismiss(page: Page, data: Data) -> None:
-    """Close what a failed start or stop has said."""
+    """Close the output of a failed start or stop."""
     page.studio.launcher.dismiss()

@@ -10,7 +10,7 @@ from hitab_studio.robots.watch import SensorStatus
 
 
 def rows(page: Page) -> Sequence[SensorStatus]:
-    """Return the sensors of the robot, its camera and the map; none in a replay."""
+    """Return the sensors of the robot, with the camera and the map; () in a replay."""
     robots = page.studio.known.robots
     if robots is None or page.player is not None:
         return ()
@@ -18,11 +18,11 @@ def rows(page: Page) -> Sequence[SensorStatus]:
 
 
 def notes(page: Page) -> Sequence[str]:
-    """Return notes about the drawing of the robot."""
+    """Return remarks on how the robot is drawn."""
     robots = page.studio.known.robots
     return () if robots is None else robots.notes.get(page.agent, ())
 
 
 def camera(page: Page) -> SensorStatus | None:
-    """Return the camera of the robot; None if it has none."""
+    """Return the camera of the robot; None if there is none."""
     return next((one for one in rows(page) if one.kind == CAMERA), None)

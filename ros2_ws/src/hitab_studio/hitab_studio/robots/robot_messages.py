@@ -1,10 +1,10 @@
 """Checked contents of a robot's messages: odometry, scans, maps and pictures.
 
-All functions raise `Refused` if a message makes no sense. Maps and pictures go to pages as binary
-frames, which begin with their kind:
+All functions raise `Refused` if a message is invalid. Scans, maps and pictures are sent to pages
+as binary frames that begin with their kind:
 
-    uint32  SCANS, float32 x, y of each point, in the frame in which all is drawn
-    uint32  MAP, float32 x, y, yaw of its origin and width of a cell, then a PNG
+    uint32  SCANS, float32 x, y of each point, in the frame of the drawing
+    uint32  MAP, float32 x, y, yaw of the origin and width of a cell, then a PNG
     uint32  PICTURE, then a JPEG or PNG
 """
 
@@ -23,38 +23,38 @@ from PIL import Image
 from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_core import HitabError
-from hitab_studio.robots.frames import Matrix, applied, in_plane, matrix
+from hitab_studio.robots.tf_frames import Matrix, applied, in_plane, matrix
 
 SCANS, MAP, PICTURE = 2, 3, 4
 
 PICTURE_SIDE = 4096
-"""Pixels; a small file may claim more than a browser can hold."""
+"""Maximum width and height, pixels; a small file may claim more than a browser can hold."""
 
 MAP_CELLS = 16_777_216
 ROBOT_MESSAGE_BYTES_MAX = MAP_CELLS + 10_000
-"""Size of a message; larger ones are refused."""
+"""Maximum size of a message, bytes; larger ones are refused."""
 
 POINTS_MAX = 2000
-"""Points of a scan that are shown; of more, each so-many-th."""
+"""Maximum number of points shown of a scan; longer scans are thinned out evenly."""
 
 RANGE_MAX = 200.0
-"""m; no scanner of a robot sees farther."""
+"""Maximum range of a scanner, m."""
 
-FAST = 1
-"""How much a map is compressed: it goes over a fast connection, and others wait."""
+PNG_COMPRESSION = 1
+"""PNG compression level of maps: low, since compressing blocks the server's loop."""
 
 OCCUPIED = 255
 UNKNOWN_OPACITY = 36
-"""Opacities of cells; free ones have none."""
+"""Opacity of unknown cells; free cells are transparent."""
 
 
 class Refused(HitabError):
-    """A message that cannot be used; the text says why, after the name of its topic."""
+    """An invalid message; the text is the reason, to be shown after the topic's name."""
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A robot's pose in the frame of its odometry, and the names of that frame and its own."""
+    """A robot's pose in the odometry frame, with the names of this frame and the robot's frame."""
 
     frame: str
     child: str
@@ -71,7 +71,7 @@ class Scanned:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A map: the frame in which it lies, its corners there, m, shape (4, 2), and what is drawn."""
+    """A map: its frame, its corners there, m, shape (4, 2), and the binary frame for pages."""
 
     frame: str
     corners: NDArray[np.float64]
@@ -81,8 +81,8 @@ class Grid:
 def _pose(pose: Any, of: str) -> Matrix:
     if (made := matrix(pose.position, pose.orientation)) is None:
         raise Refused(
-            f"says that {of} is at {pose.position.x:g}, {pose.position.y:g} m with an orientation "
-            "that is none, or nowhere"
+            f"has no valid position and orientation of {of}: "
+            f"{pose.position.x:g}, {pose.position.y:g} m"
         )
     return made
 
@@ -97,7 +97,7 @@ def scan_of(message: LaserScan) -> Scanned:
     """Return the returns of a `sensor_msgs/LaserScan` (REP 117)."""
     first, step, most = message.angle_min, message.angle_increment, message.range_max
     if not (math.isfinite(first) and math.isfinite(step)):
-        raise Refused("does not say where its rays point: an angle is not a number")
+        raise Refused("has no valid directions of its rays: an angle is not a number")
     ranges = np.asarray(message.ranges, dtype=np.float64)
     every = -(-len(ranges) // POINTS_MAX) or 1
     angles = (first + step * np.arange(len(ranges)))[::every]
@@ -129,30 +129,28 @@ def map_of(message: OccupancyGrid) -> Grid:
 
 
 def _png(cells: NDArray[np.uint8]) -> bytes:
-    """Return a PNG whose pixels are the more opaque the more surely a cell is occupied.
+    """Return a PNG in which the opacity of a pixel grows with the probability of an obstacle.
 
-    Its first row is the farthest in y. The page gives it the color of its theme.
+    The first row is the farthest in y. The page colors the PNG according to the theme.
     """
-    # A palette of opacities alone: what is read of the map need not be calculated with.
+    # A palette of opacities turns the cells of the map into pixels without any calculation.
     opacity = np.full(256, UNKNOWN_OPACITY, np.uint8)
     opacity[:101] = np.round(np.linspace(0, OCCUPIED, 101))
     image = Image.fromarray(np.ascontiguousarray(cells[::-1]))
     image.putpalette(bytes(3 * 256))
     png = io.BytesIO()
-    image.save(png, "PNG", transparency=opacity.tobytes(), compress_level=FAST)
+    image.save(png, "PNG", transparency=opacity.tobytes(), compress_level=PNG_COMPRESSION)
     return png.getvalue()
 
 
 def picture_of(message: CompressedImage) -> bytes:
-    """Return the frame of a `sensor_msgs/CompressedImage`, if browsers show such ones."""
+    """Return the binary frame of a `sensor_msgs/CompressedImage` in a format of browsers."""
     data = message.data.tobytes()
     try:
         with Image.open(io.BytesIO(data), formats=("JPEG", "PNG")) as image:  # only its header
             size = image.size
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-        raise Refused(
-            f'is neither JPEG nor PNG; it calls itself "{message.format[:60]}"'
-        ) from None
+        raise Refused(f'is neither JPEG nor PNG; its format is "{message.format[:60]}"') from None
     if max(size) > PICTURE_SIDE:
         raise Refused(
             f"has {size[0]} x {size[1]} pixels; up to {PICTURE_SIDE} x {PICTURE_SIDE} are shown"

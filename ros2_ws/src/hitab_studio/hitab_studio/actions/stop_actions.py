@@ -1,4 +1,4 @@
-"""The emergency stop of all robots."""
+"""Actions for the emergency stop of all robots."""
 
 from __future__ import annotations
 
@@ -7,33 +7,34 @@ from hitab_core import some
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 
-BUTTON = "emergency stop in the studio"
-"""The reason shown to other people."""
+STOP_REASON = "emergency stop in the studio"
+"""The reason of the stop, as shown to other people."""
 
 
 async def stop_robots(page: Page) -> None:
-    """Have all robots stand still at once, also while a recording is open.
+    """Stop all robots at once, also while a recording is open.
 
-    This is no action: pages ask for it in a way that does not need their connection.
+    Pages request the stop over HTTP instead of as an action, so that it does not depend on their
+    web socket.
 
     Raises:
-        SwarmError: if they were not stopped.
+        SwarmError: if the robots were not stopped.
     """
     link, who = page.studio.link, page.demonstrator
     try:
-        there = link.observer.stop_robots(True, who, BUTTON)
+        there = link.observer.stop_robots(True, who, STOP_REASON)
     except SwarmError as error:
         raise SwarmError(
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
         ) from None
-    heard = f": {some(there)}" if there else "; nothing that acts is there, and who comes obeys"
+    heard = f": {some(there)}" if there else "; no robot is present, and new ones will obey"
     kind = "good" if there else "note"
     page.tell(f"Emergency stop: all have to stand still{heard}", kind)
 
 
 @action("release-dialog")
 async def release_dialog(page: Page, data: Data) -> None:
-    """Ask whether the robots may move again."""
+    """Open the dialog that confirms the release of the robots."""
     known = page.studio.known
     if known.is_stopped:
         page.close_dialog()
@@ -42,7 +43,7 @@ async def release_dialog(page: Page, data: Data) -> None:
 
 @action("release-robots", urgent=True)
 async def release_robots(page: Page, data: Data) -> None:
-    """Let the robots move again."""
+    """Release the emergency stop."""
     link, who = page.studio.link, page.demonstrator
     link.observer.stop_robots(False, who, "")
     page.close_dialog()
@@ -51,7 +52,7 @@ async def release_robots(page: Page, data: Data) -> None:
 
 @action("arm")
 async def arm(page: Page, data: Data) -> None:
-    """Let the robot of the agent act again."""
+    """Re-arm the robot of the agent."""
     link, agent = page.studio.link, page.agent
     await link.observer.arm(agent)
     page.tell(f"{agent} may act")

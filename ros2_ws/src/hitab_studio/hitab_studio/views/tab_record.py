@@ -1,4 +1,4 @@
-"""Recordings: making one, and the list of existing ones."""
+"""The tab for recording and for the list of recordings."""
 
 from __future__ import annotations
 

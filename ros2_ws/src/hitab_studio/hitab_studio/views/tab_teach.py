@@ -6,16 +6,16 @@ from typing import Any
 
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
-from hitab_studio.learned import superseding
+from hitab_studio.example_effects import superseding
 from hitab_studio.page import Page
 from hitab_studio.ui_remedies import in_studio
-from hitab_studio.views import sensors
+from hitab_studio.views import robot_sensors
 from hitab_studio.views.numbers import measure
 from hitab_studio.views.perceived import perceived
-from hitab_studio.views.questions import TITLES, when_unsure
+from hitab_studio.views.question_titles import TITLES, when_unsure
 
 EDITS_MAX = 6
-"""Edits of the history that are shown on either side of now."""
+"""Maximum number of done and of undone edits shown in the history."""
 
 
 def context(page: Page) -> dict[str, Any]:
@@ -35,20 +35,20 @@ def context(page: Page) -> dict[str, Any]:
         + [(text, True) for text in (training.undone if training else ())[:EDITS_MAX]],
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
-        "given_up": _given_up(page),
+        "given_up": _wasted(page),
         "cost": training.cost if training else None,
         "questions": training.questions if training else (),
         "remarks": training.remarks if training else (),
         "in_studio": in_studio,
         "question_titles": TITLES,
         "when_unsure": when_unsure(page),
-        "sensors": sensors.rows(page),
-        "sensor_notes": sensors.notes(page),
+        "sensors": robot_sensors.rows(page),
+        "sensor_notes": robot_sensors.notes(page),
     }
 
 
-def _given_up(page: Page) -> int:
-    """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
+def _wasted(page: Page) -> int:
+    """Return the number of deleted or undone examples, without the superseded ones."""
     training = page.training
     if training is None or training.cost is None:
         return 0
@@ -56,7 +56,7 @@ def _given_up(page: Page) -> int:
 
 
 def _values(page: Page, example: Example) -> list[tuple[str, str]]:
-    """Return the agent's percept in an example: names of features, and values for people."""
+    """Return the agent's percept in an example: features with values for people."""
     training = page.training
     if training is None:
         return []

@@ -1,4 +1,4 @@
-"""Demonstrating: commands, taking over and handing back."""
+"""Actions for demonstrating: commands, trainings, and holding agents."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from hitab_client import (
     is_answered,
 )
 from hitab_core import Term, with_numbers
-from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action, number_from
+from hitab_studio.actions.world_actions import paused
 from hitab_studio.page import CHOOSE_FIRST, Page
 from hitab_studio.page_parts import MissingTargets, ShownNumbers
 from hitab_studio.swarm_link import Connected
-from hitab_studio.ui_remedies import answered
+from hitab_studio.ui_remedies import answer_text
 from hitab_studio.unanswered_command import TAKEN_SECONDS, UnansweredCommand
 from hitab_studio.unavailable import nothing_in_training
 
 
 @action("command")
 async def command(page: Page, data: Data) -> None:
-    """Command a behavior; first ask for targets and numbers, if it takes some."""
+    """Command a behavior; first ask for missing targets and numbers."""
     keys = dict(zip("123456789", targets_asked(page), strict=False))
     if (given := keys.get(str(data.get("hotkey")))) is not None:
         await give_target(page, given)  # pressed before the page showed the targets
@@ -50,10 +50,10 @@ async def command(page: Page, data: Data) -> None:
 
 @action("show", repeats=True)
 async def show(page: Page, data: Data) -> None:
-    """Command the behavior that is shown with the numbers of its form, or of an arrow."""
+    """Command the behavior of the open form, with the numbers of the form or of an arrow."""
     shown = page.shown_numbers
     if shown is None:
-        return  # it was closed while the arrow was drawn
+        return  # the form was closed while the arrow was drawn
     for name in shown.values:
         shown.values[name] = number_from(data["values"], name)
     numbers = page.watched.vocabulary.numbers_of(shown.behavior)
@@ -63,18 +63,18 @@ async def show(page: Page, data: Data) -> None:
 
 
 async def _commanded(page: Page, behavior: str, seen: int, sequence: int = 0) -> None:
-    """Command a behavior, and offer to send the command again if it is lost.
+    """Command a behavior, and offer to send a lost command again.
 
     Args:
-        page: that asks.
-        behavior: with its targets.
+        page: page of the command.
+        behavior: the behavior, with targets.
         seen: the world's cycle that the page showed when the person pressed the key.
-        sequence: number of a lost command that is sent again; 0 for a new one.
+        sequence: number of a lost command that is sent again; 0 for a new command.
     """
     agent, number, sent = page.agent, sequence or time.time_ns() // 1000, False
     taken = False
     learns = page.is_training
-    # An agent that was restarted meanwhile has to be discovered first.
+    # Discovery of an agent that was restarted meanwhile takes time.
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
     demonstrator = page.demonstrator
 
@@ -115,7 +115,7 @@ async def _commanded(page: Page, behavior: str, seen: int, sequence: int = 0) ->
 
 @action("send-again")
 async def send_again(page: Page, data: Data) -> None:
-    """Send a lost command again."""
+    """Send the lost command again."""
     lost = page.lost
     if lost is None:
         return
@@ -127,12 +127,12 @@ async def send_again(page: Page, data: Data) -> None:
 
 @action("leave-lost")
 async def leave_lost(page: Page, data: Data) -> None:
-    """Do not send a lost command again."""
+    """Drop the lost command."""
     page.lost = None
 
 
 def targets_meant(page: Page, name: str) -> list[str]:
-    """Return the targets that a click on a thing may mean: itself, or its kind."""
+    """Return the targets for which a thing may stand: its own name, or its kind."""
     targets = page.watched.vocabulary.targets
     if name in targets:
         return [name]
@@ -143,7 +143,7 @@ def targets_meant(page: Page, name: str) -> list[str]:
 
 
 def targets_asked(page: Page) -> list[str]:
-    """Return the targets that may be given to what was commanded; none if it needs none."""
+    """Return the targets to choose from for the commanded behavior; [] if none is missing."""
     if page.missing_targets is None:
         return []
     training = page.training
@@ -152,7 +152,7 @@ def targets_asked(page: Page) -> list[str]:
 
 
 async def give_target(page: Page, target: str) -> None:
-    """Bind a requested target; command after the last one."""
+    """Bind the next missing target, and command the behavior after the last one."""
     missing = page.missing_targets
     if missing is None:
         return
@@ -165,13 +165,13 @@ async def give_target(page: Page, target: str) -> None:
 
 @action("target")
 async def target(page: Page, data: Data) -> None:
-    """Bind a requested target."""
+    """Bind the next missing target."""
     await give_target(page, str(data["name"]))
 
 
 @action("toggle")
 async def toggle(page: Page, data: Data) -> None:
-    """Switch between testing what was learned and taking over, without a reset."""
+    """Switch between testing the trained behavior and taking over, without a reset."""
     status = page.status
     if (
         status is None
@@ -182,18 +182,18 @@ async def toggle(page: Page, data: Data) -> None:
     mode = demonstrating.other_mode(status)
     answer = await page.request(SwarmClient.set_mode, mode)
     if mode == "testing" and status.questions:
-        page.tell(answered(answer), "note")
+        page.tell(answer_text(answer), "note")
 
 
 @action("restart")
 async def restart(page: Page, data: Data) -> None:
-    """Test from Start."""
+    """Test the trained behavior from Start."""
     await page.request(SwarmClient.set_mode, "testing", restart=True)
 
 
 @action("idle")
 async def idle(page: Page, data: Data) -> None:
-    """Have the agent perform nothing; a training is kept."""
+    """Stop the agent's behavior; a training is kept."""
     await page.request(SwarmClient.perform, "")
 
 
@@ -207,7 +207,7 @@ async def perform_behavior(page: Page, data: Data) -> None:
 
 @action("take")
 async def take(page: Page, data: Data) -> None:
-    """Take an agent from another demonstrator and notify that one."""
+    """Take the agent from another demonstrator, and notify that person."""
     before = page.studio.held.get(page.agent, page)
     page.studio.held[page.agent] = page
     if before is not page:
@@ -218,7 +218,7 @@ async def take(page: Page, data: Data) -> None:
 
 @action("release")
 async def release(page: Page, data: Data) -> None:
-    """Release an agent."""
+    """Release the agent for other demonstrators."""
     if not page.locked:
         page.studio.held.pop(page.agent, None)
     page.studio.touch()
@@ -226,7 +226,7 @@ async def release(page: Page, data: Data) -> None:
 
 @action("new")
 async def new(page: Page, data: Data) -> None:
-    """Ask what to train."""
+    """Open the dialog to begin a training."""
     if not page.agent:
         raise SwarmError(CHOOSE_FIRST)
     name, resume = str(data.get("name", "")), str(data.get("resume", ""))
@@ -236,7 +236,7 @@ async def new(page: Page, data: Data) -> None:
 
 @action("discard")
 async def discard(page: Page, data: Data) -> None:
-    """Give up the training; ask first if examples would be lost."""
+    """Discard the training; first confirm if examples would be lost."""
     status = page.status
     if status is None or not page.is_training:
         return
@@ -248,18 +248,18 @@ async def discard(page: Page, data: Data) -> None:
 
 @action("discard-now")
 async def discard_now(page: Page, data: Data) -> None:
-    """Give up the training and its examples."""
+    """Discard the training and its examples."""
     answer = await page.request(SwarmClient.discard)
     page.dialog = {}
     page.lost = page.missing_targets = page.shown_numbers = None
-    page.tell(answered(answer))
+    page.tell(answer_text(answer))
 
 
 @action("new-name", repeats=True)
 async def new_name(page: Page, data: Data) -> None:
-    """Warn if a behavior of this name is saved already."""
+    """Warn if a saved behavior has the typed name."""
     if page.dialog.get("kind") != "new":
-        return  # it was closed before the last key was heard of
+        return  # the dialog was closed before the last key arrived
     page.dialog["typed"] = name = str(data["value"]).strip()
     if name in page.watched.vocabulary.trained:
         page.studio.link.want(page.agent, name)
@@ -267,7 +267,7 @@ async def new_name(page: Page, data: Data) -> None:
 
 @action("new-parameter", repeats=True)
 async def new_parameter(page: Page, data: Data) -> None:
-    """Also offer features and behaviors of a parameter."""
+    """Offer features and behaviors with the typed parameter, too."""
     if page.dialog.get("kind") == "new":
         page.dialog["parameter"] = str(data["value"]).strip()
 
@@ -291,12 +291,12 @@ async def begin(page: Page, data: Data) -> None:
     }
     if not fields["features"] and not resume:
         raise SwarmError(
-            "Choose at least one feature for the decisions to depend on: without one, it cannot "
-            "tell situations apart. You can exchange it later (Features…)."
+            "Choose at least one feature for the decisions to depend on: without one, all "
+            "situations look the same. You can exchange it later (Features…)."
         )
     if not resume and name in page.watched.vocabulary.trained:
         shown, page.dialog["typed"] = page.dialog.get("typed"), name
-        if shown != name:  # who is fast has not seen it yet
+        if shown != name:  # a fast typist has not seen the warning yet
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
     await page.request(SwarmClient.begin, name, **fields)
     if values.get("pause") == "on" and await page.ask_world(paused):

@@ -1,4 +1,4 @@
-"""Labeling what an agent did in a recording, correcting that, and training from it."""
+"""Actions that label an agent's moments in a recording, correct labels, and train from them."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from hitab_client import SwarmError
 from hitab_client.recording import driving_of
 from hitab_core import named_domain
 from hitab_core.labeling import Span, Strip
-from hitab_studio.actions.library_changes import change_library
-from hitab_studio.actions.recording import meanwhile_busy, player_of
+from hitab_studio.actions.library_actions import change_library
+from hitab_studio.actions.recording_actions import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 from hitab_studio.replay import Labels, ReplayPlayer
@@ -15,7 +15,7 @@ from hitab_studio.replay import Labels, ReplayPlayer
 
 @action("label-dialog")
 async def ask(page: Page, data: Data) -> None:
-    """Ask by which features the agent may have chosen among which behaviors."""
+    """Open the dialog to choose the features and behaviors for labels."""
     if page.status is None:
         raise SwarmError("Choose an agent of the recording first.")
     domain = named_domain(page.status.domain)
@@ -24,7 +24,7 @@ async def ask(page: Page, data: Data) -> None:
 
 @action("label")
 async def label(page: Page, data: Data) -> None:
-    """Find which behavior each moment of what the agent did was."""
+    """Label each moment of the agent with a behavior."""
     player, dialog, chosen = player_of(page), page.dialog, data["values"]
     features, behaviors = chosen.get("features", []), chosen.get("states", [])
 
@@ -39,7 +39,7 @@ async def label(page: Page, data: Data) -> None:
 
 @action("label-span", repeats=True)
 async def look_at_span(page: Page, data: Data) -> None:
-    """Look at a span: go to where it begins."""
+    """Select a span, and go to its beginning."""
     player = player_of(page)
     labels, span = _labels(player), _span(player, int(data["number"]))
     labels.chosen = int(data["number"])
@@ -50,7 +50,7 @@ async def look_at_span(page: Page, data: Data) -> None:
 
 @action("label-was")
 async def correct(page: Page, data: Data) -> None:
-    """Say what a span was, and label the rest again."""
+    """Correct the label of a span, and label the other moments again."""
     player = player_of(page)
     labels, span = _labels(player), _span(player, int(data["number"]))
 
@@ -70,11 +70,11 @@ async def correct(page: Page, data: Data) -> None:
 
 @action("label-train")
 async def train(page: Page, data: Data) -> None:
-    """Train a behavior from the labels, into the library of the agent in the swarm."""
+    """Train a behavior from the labels, and save it in the library of the agent in the swarm."""
     player, name = player_of(page), str(data["values"].get("name", "")).strip()
     strip, source = _labels(player).strip, player.recording.path.name
     page.look_at(strip.agent)
-    page.player = None  # what follows concerns the swarm
+    page.player = None  # the library is changed in the swarm, not in the recording
     try:
         await change_library(
             page, lambda library: strip.train(name, library, source), f"{name} is trained"

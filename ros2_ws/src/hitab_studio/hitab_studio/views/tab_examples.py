@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_client import Learned
 from hitab_core import BoundedNumber, Example, Term, shown_unit
-from hitab_studio.learned import is_contradicted, most_probable, superseding
+from hitab_studio.example_effects import is_contradicted, most_probable, superseding
 from hitab_studio.page import Page
 from hitab_studio.page_parts import ExamplesTable
 from hitab_studio.views.numbers import measure
@@ -49,19 +49,19 @@ def context(page: Page) -> dict[str, Any]:
 
 
 def _decided(training: Learned, example: Example) -> str:
-    """Return the present decision in an example's situation, if it differs from the example."""
+    """Return the present decision in an example's situation, if different from the example."""
     decided = most_probable(training.decides(example.state, example.features))
     return decided if decided != example.next_state and example.is_learned else ""
 
 
 def _numbers(training: Learned, example: Example) -> list[tuple[BoundedNumber, float]]:
-    """Return the numbers that an example was commanded with."""
+    """Return the numbers of the command of an example."""
     wanted = training.numbers_of(Term.parse(example.next_state))
     return list(zip(wanted, example.numbers, strict=False))
 
 
 def _values(training: Learned, example: Example) -> dict[str, str]:
-    """Return the values of the features for people; the units stand in the titles of columns."""
+    """Return the values of the features, for people; units are in the column titles."""
     found = {}
     for i, feature in enumerate(training.features):
         unit = training.units[i]
@@ -71,7 +71,7 @@ def _values(training: Learned, example: Example) -> dict[str, str]:
 
 
 def overruled_by(numbers: list[int]) -> str:
-    """Say why nothing is learned from an overruled example."""
+    """Return the reason for which nothing is learned from an overruled example."""
     examples = "example" if len(numbers) == 1 else "examples"
     by = f"{examples} {', '.join(map(str, numbers))}" if numbers else "a command"
     return f"overruled by {by}: this was only assumed, so nothing is learned from it"

@@ -39,7 +39,7 @@ def context(page: Page) -> dict[str, Any]:
 
 
 def absent(known: SwarmState) -> dict[str, list[str]]:
-    """Return the agents that do not answer, by how; without those that may still come."""
+    """Return the absent agents by state of absence, without those that may still appear."""
     found: dict[str, list[str]] = {}
     for name in known.agents:
         how = absence(known, name)
@@ -49,7 +49,7 @@ def absent(known: SwarmState) -> dict[str, list[str]]:
 
 
 def choices(page: Page) -> Sequence[SwarmTarget]:
-    """Return the swarms that may be shown instead of the present one, by name, oldest first."""
+    """Return the other running swarms, sorted by name and age."""
     target = page.studio.known.target
     if target is None or page.player is not None:
         return []
@@ -58,13 +58,13 @@ def choices(page: Page) -> Sequence[SwarmTarget]:
 
 
 def since(moment: float) -> str:
-    """Return a time of day, with the date if that is longer ago than a day."""
+    """Return a time of day, with the date if more than a day ago."""
     recent = time.time() - moment < DAY
     return time.strftime("%H:%M:%S" if recent else "%d %b, %H:%M", time.localtime(moment))
 
 
 def _stoppable(page: Page) -> str:
-    """Return the swarm that may be stopped here; "" if there is none."""
+    """Return the name of the swarm if the page may stop it; "" otherwise."""
     target, launcher = page.studio.known.target, page.studio.launcher
     if target is None or target.problem or not target.folder or launcher.is_busy:
         return ""

@@ -1,4 +1,4 @@
-"""Swarms are started with the command, and what it says is kept."""
+"""Swarms are started with the command, whose output is kept."""
 
 import asyncio
 import sys
@@ -7,13 +7,12 @@ import time
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_studio import launching
-from hitab_studio.launching import Launcher, startable_swarms
+from hitab_studio.launcher import Launcher, command, startable_swarms
 
 
 def run(script: str, monkeypatch, after=lambda launcher: None) -> Launcher:
     """Run a script in place of the command until it ends."""
-    monkeypatch.setattr(launching, "command", lambda: [sys.executable, "-c", script])
+    monkeypatch.setattr("hitab_studio.launcher.command", lambda: [sys.executable, "-c", script])
 
     async def term() -> Launcher:
         launcher = Launcher()
@@ -45,9 +44,9 @@ def test_one_command_runs_at_a_time(monkeypatch):
 
 
 def test_a_command_that_is_not_there_is_named(monkeypatch):
-    monkeypatch.setattr(launching, "entry_points", lambda **_: ())
+    monkeypatch.setattr("hitab_studio.launcher.entry_points", lambda **_: ())
     with pytest.raises(SwarmError, match="install HiTAB again"):
-        launching.command()
+        command()
 
 
 def test_the_shipped_swarms_can_be_started_with_what_they_are():

@@ -1,4 +1,4 @@
-"""For when commands count, and whose they are."""
+"""Actions for the times of commands and for the demonstrator's name."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from hitab_client import SwarmError
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
-from hitab_studio.people import checked
+from hitab_studio.person_names import checked
 from hitab_studio.swarm_link import Connected
 
 
 @action("name-set")
 async def name_set(page: Page, data: Data) -> None:
-    """Have the page be used by whom its person says; the browser keeps the name."""
+    """Set the demonstrator's name, which the browser keeps."""
     page.become(checked(str(data["values"].get("demonstrator", ""))))
     page.send({"t": "demonstrator", "name": page.demonstrator})
     page.close_dialog()
@@ -20,7 +20,7 @@ async def name_set(page: Page, data: Data) -> None:
 
 @action("earlier", repeats=True)
 async def due_earlier(page: Page, data: Data) -> None:
-    """Have the last command be due a little earlier than it is at present."""
+    """Move the last command a little earlier, for a person who pressed late."""
     page.unseen.check(page.agent, "earlier")
     page.tell(
         await page.ask_agent(
@@ -31,7 +31,7 @@ async def due_earlier(page: Page, data: Data) -> None:
 
 @action("retime", repeats=True)
 async def retime(page: Page, data: Data) -> None:
-    """Have a command be due at another time before it was given."""
+    """Set the delay of a command: the time between its situation and the key press."""
     number, text = int(data["number"]), str(data["value"]).strip()
     try:
         ago = float(text)
@@ -41,6 +41,6 @@ async def retime(page: Page, data: Data) -> None:
     async def retimed(swarm: Connected, agent: str) -> float:
         await swarm.agents.retime.coroutine(agent, [number], ago)
         examples = (await swarm.agents.training.coroutine(agent)).examples
-        return next((e.ago for e in examples if e.number == number), ago)  # that of a cycle
+        return next((e.ago for e in examples if e.number == number), ago)  # rounded to a cycle
 
     page.tell(f"Example {number}: {await page.ask_agent(retimed):.2f} s ago")

@@ -7,7 +7,7 @@ from hitab_msgs.msg import Question
 from hitab_studio.page import Page
 
 WHEN_UNSURE = {
-    "go_on": ("go on", "it decides all the same"),
+    "go_on": ("go on", "it decides nevertheless"),
     "halt": ("halt", "it does nothing until it is sure"),
     "hand_back": ("hand back", "you decide, as in training"),
 }
@@ -19,6 +19,6 @@ TITLES = {
 
 
 def when_unsure(page: Page) -> str:
-    """Return the agent's choice for unsure decisions, for people."""
+    """Return the agent's setting for unsure decisions, for people."""
     status = page.status
     return WHEN_UNSURE.get(status.when_unsure if status is not None else "", ("go on", ""))[0]

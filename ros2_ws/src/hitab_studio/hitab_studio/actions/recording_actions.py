@@ -1,4 +1,4 @@
-"""Recording runs, and replaying them."""
+"""Actions that record runs and replay recordings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 @action("record")
 async def record(page: Page, data: Data) -> None:
-    """Record the run, or stop recording."""
+    """Start or stop recording the run."""
     link, store = page.studio.link, page.studio
     if page.player is not None:
         raise SwarmError(RECORDING)
@@ -43,7 +43,7 @@ async def replay(page: Page, data: Data) -> None:
 
 @action("recording-rename")
 async def rename(page: Page, data: Data) -> None:
-    """Give a recording another name."""
+    """Rename a recording."""
     name = page.dialog["name"]
     _not_being_recorded(page, name)
     path = recordings.rename(name, str(data["values"].get("name", "")))
@@ -68,7 +68,7 @@ def _not_being_recorded(page: Page, name: str) -> None:
 
 @action("replay-play")
 async def replay_play(page: Page, data: Data) -> None:
-    """Play or pause; restart at the end."""
+    """Play or pause the recording; at its end, play from the beginning."""
     player = player_of(page)
     if not player.playing and player.at >= player.recording.seconds:
         player.seek(0.0)
@@ -77,7 +77,7 @@ async def replay_play(page: Page, data: Data) -> None:
 
 @action("replay-seek", repeats=True)
 async def replay_seek(page: Page, data: Data) -> None:
-    """Go to a moment."""
+    """Go to a moment of the recording."""
     player_of(page).seek(float(data["value"]))
     page.show_moment()
 
@@ -90,7 +90,7 @@ async def replay_speed(page: Page, data: Data) -> None:
 
 @action("replay-close")
 async def replay_close(page: Page, data: Data) -> None:
-    """Go back to the swarm."""
+    """Close the recording, and show the swarm."""
     page.player = None
     page.show_again()
 
@@ -109,7 +109,7 @@ def player_of(page: Page) -> ReplayPlayer:
     """Return the player of the open recording.
 
     Raises:
-        SwarmError: if none is.
+        SwarmError: if no recording is open.
     """
     if page.player is None:
         raise SwarmError("No recording is open.")

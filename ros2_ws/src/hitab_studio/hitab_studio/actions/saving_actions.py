@@ -1,4 +1,4 @@
-"""Saving, the library, and distributing behaviors."""
+"""Actions that save, view, compare and distribute behaviors."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Any
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
-from hitab_studio.ui_remedies import answered, told
+from hitab_studio.ui_remedies import answer_text, error_text
 from hitab_studio.unavailable import training_of
 
 
 def _chosen(values: Any) -> dict[str, Any]:
-    """Return how to save what was learned; values such as ``bind:ball`` are new bindings."""
+    """Return the options for saving; values such as ``bind:ball`` turn targets to parameters."""
     bound = {
         key.removeprefix("bind:"): str(value).strip()
         for key, value in values.items()
@@ -27,14 +27,14 @@ def _chosen(values: Any) -> dict[str, Any]:
 
 @action("save-dialog")
 async def save_dialog(page: Page, data: Data) -> None:
-    """Show what would be saved."""
+    """Open the dialog to save the trained behavior, with a preview."""
     page.open_dialog("save", training=training_of(page), preview=None, problem="")
     await _preview(page, {})
 
 
 @action("save-preview", repeats=True)
 async def save_preview(page: Page, data: Data) -> None:
-    """Show the preview for other choices."""
+    """Update the preview for other options."""
     await _preview(page, data["values"])
 
 
@@ -42,28 +42,28 @@ async def _preview(page: Page, values: Any) -> None:
     try:
         preview = await page.request(SwarmClient.behavior, trim=True, **_chosen(values))
     except SwarmError as error:
-        page.dialog |= {"preview": None, "problem": told(error)}
+        page.dialog |= {"preview": None, "problem": error_text(error)}
     else:
         page.dialog |= {"preview": preview, "problem": ""}
 
 
 @action("save")
 async def save(page: Page, data: Data) -> None:
-    """Save what was trained, and show it in the library."""
+    """Save the trained behavior, and show it in the library."""
     values = data["values"]
     training = page.dialog.get("training")
-    # Without a name it is saved under the one that training began with.
+    # The default is the name with which the training began.
     name = str(values.get("name", "")).strip() or (training.name if training else "")
     description = str(values.get("description", "")).strip()
     answer = await page.request(
         SwarmClient.save, name=name, description=description, **_chosen(values)
     )
-    left_out = "; what nothing uses was left out" if answer.trimmed else ""
+    left_out = "; unused features and behaviors were left out" if answer.trimmed else ""
     page.dialog = {}
     page.tab = "library"
     page.behavior = name
     page.studio.link.want(page.agent, name)
-    done = f"{answered(answer)}{left_out}".split("; ")
+    done = f"{answer_text(answer)}{left_out}".split("; ")
     page.tell("\n".join(done), "good" if len(done) == 1 else "note")
 
 

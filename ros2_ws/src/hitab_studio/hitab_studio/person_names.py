@@ -7,27 +7,27 @@ from itertools import count
 
 from hitab_client import SwarmError
 
-LONGEST_NAME = 60
-"""Characters."""
+NAME_LENGTH_MAX = 60
+"""Maximum length of a name, characters."""
 
 
 def checked(text: str) -> str:
-    """Return a name as entered by a person.
+    """Return the name in a person's input.
 
     Raises:
-        SwarmError: if it is none.
+        SwarmError: if the input is not a valid name.
     """
     name = text.strip()
     if not name:
         raise SwarmError("Enter your name: others see it, and your commands carry it.")
-    if len(name) > LONGEST_NAME:
-        raise SwarmError(f"This name has {len(name)} characters: enter at most {LONGEST_NAME}.")
+    if len(name) > NAME_LENGTH_MAX:
+        raise SwarmError(f"This name has {len(name)} characters: enter at most {NAME_LENGTH_MAX}.")
     if not name.isprintable():
         raise SwarmError("This name has control characters: enter it without them.")
     return name
 
 
-def told_apart(name: str, others: Collection[str]) -> str:
-    """Return a name, with a number if others are shown under the same."""
+def distinct(name: str, others: Collection[str]) -> str:
+    """Return a name, with a number if other people have the same one."""
     numbered = (f"{name} ({number})" for number in count(2))
     return name if name not in others else next(n for n in numbered if n not in others)

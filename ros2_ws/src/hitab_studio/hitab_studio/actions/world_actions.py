@@ -1,4 +1,4 @@
-"""Running the world and moving the things in it."""
+"""Actions that run the world and place things."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_client import SwarmError, WorldClient
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 
-MOST_UNDO = 100
+UNDO_MAX = 100
 PAUSED = WorldState.PAUSED
 
 
@@ -24,21 +24,21 @@ async def pause(page: Page, data: Data) -> None:
 
 @action("step", repeats=True)
 async def step(page: Page, data: Data) -> None:
-    """Play some cycles, then pause."""
+    """Run the world for some cycles, then pause."""
     cycles = int(data.get("cycles", 1))
     await page.ask_world(lambda world: world.step.coroutine(cycles, 5.0))
 
 
 @action("reset")
 async def reset(page: Page, data: Data) -> None:
-    """Begin a new episode."""
+    """Start a new episode."""
     _remember(page)
     await page.ask_world(lambda world: world.control.coroutine("reset"))
 
 
 @action("pace")
 async def pace(page: Page, data: Data) -> None:
-    """Set how fast the world runs: a factor of real time, or lockstep."""
+    """Set the speed of the world: a factor of real time, or lockstep."""
     value = str(data["value"])
     if value == "lockstep":
         await page.ask_world(lambda world: world.control.coroutine("pace", pace="lockstep"))
@@ -50,16 +50,16 @@ async def pace(page: Page, data: Data) -> None:
 
 
 def _remember(page: Page) -> None:
-    """Remember all positions, for undo."""
+    """Remember the positions of all things, for undo."""
     studio = page.studio
     if studio.known.scene is not None:
         studio.placements.append(studio.known.scene.everything())
-        del studio.placements[:-MOST_UNDO]
+        del studio.placements[:-UNDO_MAX]
 
 
 @action("place", repeats=True)
 async def place(page: Page, data: Data) -> None:
-    """Move things to where they were dragged."""
+    """Place dragged things."""
     things = {
         str(name): {key: float(value) for key, value in where.items()}
         for name, where in data["things"].items()
@@ -76,12 +76,12 @@ async def place(page: Page, data: Data) -> None:
 async def _placed(world: WorldClient, things: Any) -> None:
     answer = await world.place.coroutine(things)
     if world.is_paused:
-        # The agents must have seen it before the next command.
+        # The agents must perceive the placement before the next command.
         await world.shown.coroutine(answer, 3.0)
 
 
 async def paused(world: WorldClient) -> bool:
-    """Pause the world; return whether it was running."""
+    """Pause the world; return whether the world was running."""
     if (await world.wait.coroutine()).mode == PAUSED:
         return False
     await world.control.coroutine("pause")
@@ -96,7 +96,7 @@ async def unplace(page: Page, data: Data) -> None:
         raise SwarmError("There is no placement to undo.")
     things = placements.pop()
     await page.ask_world(lambda world: _placed(world, things))
-    page.tell("Everything is where it was before")
+    page.tell("The placement is undone")
 
 
 @action("snapshots")
@@ -138,7 +138,7 @@ async def _snapshot(page: Page, what: str, name: str = "") -> None:
 
 
 async def go_there(page: Page, things: Any) -> None:
-    """Pause, and move everything to where it was at another time."""
+    """Pause the world, and place all things."""
     _remember(page)
 
     async def moved(world: WorldClient) -> None:

@@ -1,24 +1,24 @@
-"""Selecting what to view."""
+"""Actions that select, filter, and open and close parts of the page."""
 
 from __future__ import annotations
 
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.actions.teaching import discard, give_target, targets_meant
+from hitab_studio.actions.teaching_actions import discard, give_target, targets_meant
 from hitab_studio.page import Page
 
-MOST_REASON = 300
-"""Characters."""
+REASON_LENGTH_MAX = 300
+"""Maximum length of a shown reason, characters."""
 
 DIALOGS = frozenset(
     {"help", "name", "stop", "caution", "distribute"}
     | {f"{verb}-{what}" for verb in ("rename", "delete") for what in ("recording", "behavior")}
 )
-"""Dialogs that `ask` opens."""
+"""Kinds of dialogs opened by `ask`."""
 
 
 @action("choose", repeats=True)
 async def choose(page: Page, data: Data) -> None:
-    """Select something in the field: an agent to view, or a requested target."""
+    """Select a thing in the field: an agent to view, or a missing target."""
     name = str(data["name"])
     if page.missing_targets is not None:
         meant = targets_meant(page, name)
@@ -41,7 +41,7 @@ async def choose(page: Page, data: Data) -> None:
 
 @action("agent", repeats=True)
 async def agent(page: Page, data: Data) -> None:
-    """View an agent of the list."""
+    """View an agent in the list."""
     name = str(data["name"])
     page.choose([name])
     page.look_at(name)
@@ -49,7 +49,7 @@ async def agent(page: Page, data: Data) -> None:
 
 @action("neighbor", repeats=True)
 async def neighbor(page: Page, data: Data) -> None:
-    """View the next or the previous agent of the list."""
+    """View the next or the previous agent in the list."""
     agents = page.agents
     if agents:
         step = int(data["step"])
@@ -59,20 +59,20 @@ async def neighbor(page: Page, data: Data) -> None:
 
 @action("deselect", repeats=True)
 async def deselect(page: Page, data: Data) -> None:
-    """Deselect everything in the field; the viewed agent stays."""
+    """Deselect all things in the field except the viewed agent."""
     if page.missing_targets is None:
         page.choose([page.agent] if page.agent else [])
 
 
 @action("filter", repeats=True)
 async def filter_agents(page: Page, data: Data) -> None:
-    """Show agents with this in their names."""
+    """Show only agents whose names or states contain a text."""
     page.filter = str(data["value"])
 
 
 @action("fold", repeats=True)
 async def fold(page: Page, data: Data) -> None:
-    """Open or close what is below a commander or a title in the list of agents."""
+    """Fold or unfold a commander in the list of agents."""
     page.folds[str(data["name"])] = data.get("open") == "yes"
 
 
@@ -90,14 +90,14 @@ async def level(page: Page, data: Data) -> None:
 
 @action("state")
 async def state(page: Page, data: Data) -> None:
-    """View the tree of a state; if it is shown already, that of the active one."""
+    """View the tree of a state, or of the active state if the former is already shown."""
     name = str(data.get("name", ""))
     page.state = "" if page.state == name else name
 
 
 @action("ask")
 async def ask(page: Page, data: Data) -> None:
-    """Open a dialog that needs no more than a name."""
+    """Open one of `DIALOGS`, which need nothing but a name."""
     kind, name = str(data["kind"]), str(data.get("name", ""))
     if kind in DIALOGS:
         page.open_dialog(kind, name=name)
@@ -117,13 +117,13 @@ async def message_close(page: Page, data: Data) -> None:
 
 @action("why", repeats=True)
 async def why(page: Page, data: Data) -> None:
-    """Say why something does nothing at present."""
-    page.refuse(str(data["reason"])[:MOST_REASON], "note")
+    """Show the reason for which a button is unavailable."""
+    page.refuse(str(data["reason"])[:REASON_LENGTH_MAX], "note")
 
 
 @action("escape", repeats=True)
 async def escape(page: Page, data: Data) -> None:
-    """Close whatever is in front."""
+    """Close the frontmost part of the page."""
     if page.dialog:
         page.close_dialog()
     elif page.missing_targets is not None:

@@ -49,7 +49,7 @@ def test_the_browser_remembers_the_name_of_its_person(tmp_path, monkeypatch):
         assert page.dialog["kind"] == "name"
         await perform(page, {"do": "name-set", "values": {"demonstrator": "Änne"}})
         assert (page.demonstrator, page.dialog) == ("Änne", {})
-        told = [json.loads(message) for message in page.outgoing]
-        assert {"t": "demonstrator", "name": "Änne"} in told
+        sent = [json.loads(message) for message in page.outgoing]
+        assert {"t": "demonstrator", "name": "Änne"} in sent
 
     asyncio.run(run())

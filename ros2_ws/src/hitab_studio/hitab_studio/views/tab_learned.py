@@ -1,4 +1,4 @@
-"""The learned behavior: the hierarchy of automata, one of them drawn, a state's tree, and why."""
+"""The learned behavior: the hierarchy, an automaton, a state's tree, the last state changes."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Any
 
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Term, with_numbers
-from hitab_studio.graph import graph
+from hitab_studio.graph_layout import graph
 from hitab_studio.page import Page
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 
 TRANSITIONS_SHOWN_MAX = 8
-"""Changes of state that are listed."""
+"""Maximum number of state changes listed."""
 
 LEVELS_MAX = 6
 
@@ -55,9 +55,9 @@ def _behavior(page: Page, name: str) -> Learned | None:
 
 
 def _levels(page: Page) -> list[dict[str, Any]]:
-    """Return the hierarchy below what the agent performs, active or not, outermost first.
+    """Return the automata of the agent's behavior, active or not, outermost first.
 
-    Each automaton has the label of the path of active states, such as ``GoTo(ball)``.
+    An active automaton is labeled as in the path of active states, such as ``GoTo(ball)``.
     """
     status, training = page.status, page.training
     if status is None:
@@ -83,7 +83,7 @@ def _levels(page: Page) -> list[dict[str, Any]]:
 
 
 def _values(page: Page, label: str, behavior: Learned | None) -> list[float]:
-    """Return the values that the automaton's features have now, if it is active."""
+    """Return the present values of the automaton's features; [] if unknown."""
     if behavior is None or page.player is not None:
         return []
     values = [
@@ -97,7 +97,7 @@ def _values(page: Page, label: str, behavior: Learned | None) -> list[float]:
 
 
 def _numbers(behavior: Learned | None, state: str, values: list[float]) -> str:
-    """Say with which numbers a state would be performed now, and like which examples."""
+    """Return the numbers for a state in the present situation, and the examples they are from."""
     give = None if behavior is None or not values else behavior.numbers.get(state)
     if behavior is None or give is None:
         return ""
@@ -120,7 +120,7 @@ def _label(event: Any) -> str:
 
 
 def _because(page: Page, event: Any) -> str:
-    """Say why a state changed."""
+    """Return the reason for a state change."""
     seen = ", ".join(
         f"{feature} = {measured(page, feature, value)}"
         for feature, value in zip(event.features, event.values, strict=True)

@@ -1,4 +1,4 @@
-"""Starts and stops swarms with the ``hitab`` command; all else uses topics and services."""
+"""Starts and stops swarms with the ``hitab`` command."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from hitab_client.shipped import shipped_folders, shipped_names
 from hitab_core import has
 
 NONE: Mapping[str, str] = {}
-MOST_LINES = 40
-"""Number of lines of the command's output that are kept."""
+LINES_MAX = 40
+"""Lines of the command's output that are kept."""
 
 
 @dataclass
 class Launch:
-    """One run of the command, which may have ended.
+    """One run of the command, possibly finished.
 
     Attributes:
         verb: up or down.
-        began: on the monotonic clock, s.
+        began: time of the start on the monotonic clock, s.
         lines: output of the command.
-        status: exit status of the command; None while it runs.
+        status: exit status of the command; None while the command runs.
     """
 
     verb: str
@@ -49,11 +49,11 @@ class Launcher:
     """Runs the command for all pages, one swarm at a time.
 
     Args:
-        startable: the swarms that may be started, by name; what each is.
-        changed: called when something new is to be shown.
+        startable: descriptions of the swarms that may be started, by name.
+        changed: called when pages should be redrawn.
 
     Attributes:
-        launch: the command that runs, or that has failed and was not dismissed.
+        launch: the running command, or the failed one until dismissed; None otherwise.
     """
 
     def __init__(
@@ -66,14 +66,14 @@ class Launcher:
 
     @property
     def is_busy(self) -> bool:
-        """Whether the command runs."""
+        """Whether the command is running."""
         return self.launch is not None and self.launch.status is None
 
     def run(self, verb: str, swarm: str) -> None:
-        """Run ``hitab up`` or ``hitab down``; pages see how it goes.
+        """Run ``hitab up`` or ``hitab down``; pages show the output.
 
         Raises:
-            SwarmError: if it runs already.
+            SwarmError: if the command is already running.
         """
         if self.launch is not None and self.launch.status is None:
             doing = "started" if self.launch.verb == "up" else "stopped"
@@ -83,13 +83,13 @@ class Launcher:
         self._task = asyncio.create_task(self._follow(self.launch))
 
     def dismiss(self) -> None:
-        """Forget a command that has failed."""
+        """Dismiss a failed command."""
         if not self.is_busy:
             self.launch = None
             self._changed()
 
     async def _follow(self, launch: Launch) -> None:
-        """Read what the command says until it ends. The command outlives the studio."""
+        """Read the command's output until the command ends. The command outlives the studio."""
         try:
             process = await asyncio.create_subprocess_exec(
                 *command(),
@@ -104,7 +104,7 @@ class Launcher:
             assert process.stdout is not None
             while line := await process.stdout.readline():
                 launch.lines.append(line.decode(errors="replace").rstrip())
-                del launch.lines[:-MOST_LINES]
+                del launch.lines[:-LINES_MAX]
                 self._changed()
             launch.status = await process.wait()
         except (OSError, ValueError, SwarmError) as error:
@@ -116,10 +116,10 @@ class Launcher:
 
 
 def command() -> list[str]:
-    """Return how to run ``hitab``, in the environment of this process.
+    """Return the command line of ``hitab`` in the environment of this process.
 
     Raises:
-        SwarmError: if it is not installed.
+        SwarmError: if ``hitab`` is not installed.
     """
     for point in entry_points(group="console_scripts", name="hitab"):
         return [sys.executable, "-m", point.module]
@@ -127,7 +127,7 @@ def command() -> list[str]:
 
 
 def startable_swarms(only: str | None = None) -> dict[str, str]:
-    """Return the swarms that are shipped, or that one, if it is shipped; with descriptions."""
+    """Return the shipped swarms and their descriptions, or only the named one if shipped."""
     files = [path for place in shipped_folders("swarms") for path in place.glob("*.yaml")]
     found = {path.stem: _about(path) for path in sorted(files, key=lambda path: path.stem)}
     return {name: about for name, about in found.items() if only in (None, name)}
@@ -135,7 +135,7 @@ def startable_swarms(only: str | None = None) -> dict[str, str]:
 
 @cache
 def unknown(name: str) -> str:
-    """Say that no swarm of this name is shipped, and what to do; "" if one is."""
+    """Return the error for a swarm that is not shipped, with the way out; "" if shipped."""
     shipped = sorted(shipped_names("swarms"))
     if name in shipped:
         return ""

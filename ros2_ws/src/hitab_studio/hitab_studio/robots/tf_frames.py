@@ -1,4 +1,4 @@
-"""Frames and the ways between them, as tf tells these; the newest of each."""
+"""Frames and the newest transforms between them, from tf."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 Matrix = NDArray[np.float64]
-"""A motion as a matrix of shape (4, 4): takes points of one frame to another one."""
+"""A rigid transform of points from one frame to another, as a matrix of shape (4, 4)."""
 
 FRAMES_MAX = 2000
-"""Frames that are kept, whatever anybody publishes."""
+"""Maximum number of frames, against endless new names on tf."""
 
 PLACE_MAX = 1e5
-"""m; what is farther away cannot be shown."""
+"""Maximum coordinate of a place that can be shown, m."""
 
 
 def matrix(place: Any, turn: Any) -> Matrix | None:
-    """Return a motion of a point and a quaternion; None if they are none, as zeros are no turn."""
+    """Return the transform of a translation and a quaternion; None if either is invalid."""
     length = math.hypot(turn.x, turn.y, turn.z, turn.w)
     if not 0.5 < length < 2.0 or not all(abs(n) < PLACE_MAX for n in (place.x, place.y, place.z)):
         return None
@@ -35,25 +35,25 @@ def matrix(place: Any, turn: Any) -> Matrix | None:
 
 
 def in_plane(motion: Matrix) -> tuple[float, float, float]:
-    """Return a motion's part in the plane: x and y, m, and by how much it turns, rad."""
+    """Return the planar part of a transform: x and y, m, and the yaw, rad."""
     x, y = motion[:2, 3].tolist()
     return x, y, math.atan2(motion[1, 0], motion[0, 0])
 
 
 def applied(motion: Matrix, points: Matrix) -> Matrix:
-    """Return points of a plane in another frame, both of shape (n, 2)."""
+    """Return planar points transformed to another frame; both arrays have shape (n, 2)."""
     moved: Matrix = points @ motion[:2, :2].T + motion[:2, 3]
     return moved
 
 
 class Frames:
-    """The tree of frames."""
+    """The tree of frames, as received on tf."""
 
     def __init__(self) -> None:
         self._above: dict[str, tuple[str, Matrix]] = {}
 
     def take(self, message: Any) -> None:
-        """Take a `tf2_msgs/TFMessage`; what makes no sense in it is left out."""
+        """Take a `tf2_msgs/TFMessage`, without the invalid transforms in it."""
         for transform in message.transforms:
             motion = matrix(transform.transform.translation, transform.transform.rotation)
             child = transform.child_frame_id.lstrip("/")
@@ -61,7 +61,7 @@ class Frames:
                 self._above[child] = (transform.header.frame_id.lstrip("/"), motion)
 
     def _ways_up(self, frame: str) -> dict[str, Matrix]:
-        """Return the frames above a frame, and itself, with the ways there."""
+        """Return the transforms from a frame to itself and to each ancestor, by name."""
         ways = {frame: np.eye(4)}
         while (found := self._above.get(frame)) is not None and found[0] not in ways:
             ways[found[0]] = found[1] @ ways[frame]
@@ -69,7 +69,7 @@ class Frames:
         return ways
 
     def way(self, to: str, from_: str) -> Matrix | None:
-        """Return the motion that takes points of a frame to another one; None if none is known."""
+        """Return the transform of points from one frame to another; None if unknown."""
         up = self._ways_up(to.lstrip("/"))
         for frame, motion in self._ways_up(from_.lstrip("/")).items():
             if frame in up:

@@ -1,11 +1,11 @@
-"""Correcting what was recorded."""
+"""Actions that correct the recorded examples."""
 
 from __future__ import annotations
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_core import Term, numbered, with_numbers
-from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action, number_from
+from hitab_studio.actions.world_actions import go_there
 from hitab_studio.page import Page
 
 
@@ -19,7 +19,7 @@ async def undo(page: Page, data: Data) -> None:
 
 @action("redo", repeats=True)
 async def redo(page: Page, data: Data) -> None:
-    """Redo what was undone last."""
+    """Redo the last undone command or edit."""
     await page.request(SwarmClient.redo)
     page.tell("Redone")
 
@@ -38,7 +38,7 @@ async def mark_none(page: Page, data: Data) -> None:
 
 @action("sort", repeats=True)
 async def sort(page: Page, data: Data) -> None:
-    """Sort by a column, or reverse the order."""
+    """Sort the examples by a column, or reverse the order."""
     table, column = page.table, str(data["column"])
     table.descending = not table.descending if table.sort == column else False
     table.sort = column
@@ -46,19 +46,19 @@ async def sort(page: Page, data: Data) -> None:
 
 @action("examples-text", repeats=True)
 async def examples_text(page: Page, data: Data) -> None:
-    """Show examples with this in their states."""
+    """Show only examples whose states contain a text."""
     page.table.text = str(data["value"])
 
 
 @action("examples-kind", repeats=True)
 async def examples_kind(page: Page, data: Data) -> None:
-    """Show examples of one kind."""
+    """Show only examples of one kind."""
     page.table.kind = str(data["value"])
 
 
 @action("examples-column", repeats=True)
 async def examples_column(page: Page, data: Data) -> None:
-    """Show a feature's column, or leave it out."""
+    """Show or hide a feature's column."""
     table, name = page.table, str(data["name"])
     if data["value"]:
         table.hidden.discard(name)
@@ -98,7 +98,7 @@ async def relabel(page: Page, data: Data) -> None:
 
 @action("renumber")
 async def renumber(page: Page, data: Data) -> None:
-    """Change a number with which an example was commanded."""
+    """Change a number in the command of an example."""
     number, training = int(data["number"]), page.training
     found = [e for e in training.examples if e.number == number] if training else []
     if training is None or not found:
@@ -115,7 +115,7 @@ async def renumber(page: Page, data: Data) -> None:
 
 @action("situation")
 async def situation(page: Page, data: Data) -> None:
-    """Move everything to where it was when an example was recorded."""
+    """Restore the positions of all things at the time of an example."""
     number = int(data["number"])
     training = page.training
     found = [e for e in training.examples if e.number == number] if training else []

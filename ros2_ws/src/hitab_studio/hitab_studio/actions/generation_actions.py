@@ -1,7 +1,7 @@
-"""Behavior bootstrapping: generations of what a team performs.
+"""Actions for behavior bootstrapping, with generations of a team's behavior.
 
-Making one takes up to minutes, since the team plays episodes for a score. Meanwhile nothing else
-is done with the swarm, all pages see how far it is, and any of them may stop it.
+Making a generation takes minutes, since the team plays episodes for a score. Meanwhile other
+requests to the swarm are refused, all pages show the progress, and any of them may stop it.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from hitab_studio.page import Page
 from hitab_studio.page_parts import Making
 from hitab_studio.swarm_link import Connected
 
-MOST_EPISODES = 1000
-LONGEST_NOTE = 200
-"""Characters."""
+EPISODES_MAX = 1000
+NOTE_LENGTH_MAX = 200
+"""Maximum length of a note, characters."""
 
 
 @action("generations-dialog")
 async def generations_dialog(page: Page, data: Data) -> None:
-    """List the generations of a behavior, to make the next one or to go back."""
+    """Open the dialog with the generations of a behavior."""
     page.look_at(str(data.get("agent") or page.agent))
     training = page.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
@@ -35,14 +35,14 @@ async def generations_dialog(page: Page, data: Data) -> None:
 
 @action("generation-next", urgent=True)
 async def generation_next(page: Page, data: Data) -> None:
-    """Make the next generation of what is being trained."""
+    """Make the next generation of the trained behavior."""
     agent, note = page.dialog["agent"], str(data["values"].get("note", "")).strip()
-    await _make(page, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
+    await _make(page, data, lambda steps: steps.next(agent, note[:NOTE_LENGTH_MAX]))
 
 
 @action("generation-back", urgent=True)
 async def generation_back(page: Page, data: Data) -> None:
-    """Go back to a generation: the team performs it again, and the training goes on from it."""
+    """Go back to a generation: the team performs it, and the training continues from it."""
     agent, behavior = page.dialog["agent"], page.dialog["behavior"]
     version, discard = int(data["number"]), data["values"].get("discard") == "on"
     await _make(page, data, lambda steps: steps.back(agent, behavior, version, discard))
@@ -50,7 +50,7 @@ async def generation_back(page: Page, data: Data) -> None:
 
 @action("generation-stop", urgent=True)
 async def generation_stop(page: Page, data: Data) -> None:
-    """Stop what is under way at the next episode; the training goes on."""
+    """Stop making a generation at the next episode; the training continues."""
     if page.studio.making is not None:
         page.studio.making.is_to_end = True
 
@@ -67,8 +67,8 @@ async def _make(page: Page, data: Data, step: Callable[[Bootstrapping], Any]) ->
     studio, behavior = page.studio, page.dialog["behavior"]
     known, target = studio.known, studio.known.target
     text = str(data["values"].get("episodes", "")).strip()
-    if not text.isdigit() or int(text) > MOST_EPISODES:
-        raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
+    if not text.isdigit() or int(text) > EPISODES_MAX:
+        raise SwarmError(f"Give a number of episodes up to {EPISODES_MAX}; 0: no score.")
     page.look_at(page.dialog["agent"])
     making = studio.making = Making(page.take_agent(), behavior)
 
@@ -93,7 +93,7 @@ async def _make(page: Page, data: Data, step: Callable[[Bootstrapping], Any]) ->
         making.said.append(f"Done: {making.agent} is being trained further.")
 
     try:
-        # It needs nobody in the link's sense: a short silence of the agent should not end it.
+        # Unlike `SwarmLink.ask`, `do` is not ended by a short silence of the agent.
         await studio.link.do(job, making.agent)
     finally:
         making.doing = ""

@@ -1,4 +1,4 @@
-"""Learning from other features of the same examples."""
+"""Actions that exchange the features of a training; the examples stay."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections.abc import Iterable
 from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.learned import effect
+from hitab_studio.example_effects import effect
 from hitab_studio.page import Page
-from hitab_studio.ui_remedies import told
+from hitab_studio.ui_remedies import error_text
 from hitab_studio.unavailable import training_of
 
 
 @action("features-dialog")
 async def features_dialog(page: Page, data: Data) -> None:
-    """Ask which features to learn from."""
+    """Open the dialog to choose features."""
     training = training_of(page)
     now, unseen = training.features, {"preview": None, "change": None, "problem": ""}
     about = {"name": training.name, "parameters": training.parameters}
@@ -24,7 +24,7 @@ async def features_dialog(page: Page, data: Data) -> None:
 
 
 def _chosen(page: Page, values: Iterable[object]) -> tuple[str, ...]:
-    """Return the chosen features: those in use first, in their order."""
+    """Return the chosen features, the used ones first and in their order."""
     wanted = [str(value) for value in values]
     used = page.dialog["used"]
     kept = [feature for feature in used if feature in wanted]
@@ -33,7 +33,7 @@ def _chosen(page: Page, values: Iterable[object]) -> tuple[str, ...]:
 
 @action("features-preview", repeats=True)
 async def features_preview(page: Page, data: Data) -> None:
-    """Show what would be learned from other features."""
+    """Show a preview of the behavior learned from other features."""
     dialog = page.dialog
     if dialog.get("kind") != "features":
         return
@@ -46,14 +46,14 @@ async def features_preview(page: Page, data: Data) -> None:
         try:
             preview = await page.request(SwarmClient.behavior, with_features=list(chosen))
         except SwarmError as error:
-            dialog["problem"] = told(error)
+            dialog["problem"] = error_text(error)
         else:
             dialog |= {"preview": preview, "change": effect(training, preview)}
 
 
 @action("features-accept")
 async def features_accept(page: Page, data: Data) -> None:
-    """Learn from other features from now on."""
+    """Exchange the features of the training."""
     chosen = _chosen(page, data["values"].get("features", []))
     await page.request(SwarmClient.choose_features, chosen)
     page.close_dialog()

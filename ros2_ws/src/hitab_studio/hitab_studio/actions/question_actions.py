@@ -1,4 +1,4 @@
-"""Answers an agent's questions about its examples, and sets its behavior when unsure."""
+"""Actions for an agent's questions and for unsure decisions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hitab_studio.page import Page
 
 @action("answer")
 async def answer(page: Page, data: Data) -> None:
-    """Answer a question; without a choice, as the agent proposes."""
+    """Answer a question; without a choice, as proposed by the agent."""
     number, choice = int(data["number"]), str(data.get("choice", ""))
     answer = await page.request(SwarmClient.answer, number, choice)
     page.tell(f"{answer.message}; Undo brings it back")
@@ -17,7 +17,7 @@ async def answer(page: Page, data: Data) -> None:
 
 @action("dismiss")
 async def dismiss(page: Page, data: Data) -> None:
-    """Have a question not be asked again."""
+    """Dismiss a question, which is then not asked again."""
     number = int(data["number"])
     answer = await page.request(SwarmClient.answer, number, dismiss=True)
     page.tell(answer.message)
@@ -25,7 +25,7 @@ async def dismiss(page: Page, data: Data) -> None:
 
 @action("caution")
 async def caution(page: Page, data: Data) -> None:
-    """Say what the agent does when it is unsure."""
+    """Set the agent's reaction to unsure decisions."""
     values = data["values"]
     try:
         distance = float(values.get("distance") or 0.0)

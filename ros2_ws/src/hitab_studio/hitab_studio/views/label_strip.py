@@ -1,4 +1,4 @@
-"""The strip of an agent in a recording: what can be asked, and the strip under the time bar."""
+"""The strip of an agent's labeled behaviors under the time bar of a recording."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Any
 
 from hitab_core import Domain, Term
 from hitab_core.labeling import UNSURE
-from hitab_studio.learned import terms
 from hitab_studio.page import Page
+from hitab_studio.received_vocabulary import terms
 
 
 def strip(page: Page) -> dict[str, Any] | None:
@@ -25,7 +25,7 @@ def strip(page: Page) -> dict[str, Any] | None:
             "color": colors[span.behavior],
             "unsure": span.sure < UNSURE and not span.corrected,
             "odd": span.unexplained > 0,
-            "said": _said(span, labels.offset),
+            "said": _span_text(span, labels.offset),
             "behavior": span.behavior,
         }
         for span in labels.strip.spans
@@ -34,7 +34,7 @@ def strip(page: Page) -> dict[str, Any] | None:
     return {"spans": spans, "colors": colors, "chosen": chosen, "number": labels.chosen}
 
 
-def _said(span: Any, offset: float) -> str:
+def _span_text(span: Any, offset: float) -> str:
     sure = "as you said" if span.corrected else f"{100 * span.sure:.0f} % sure"
     odd = f", {span.unexplained} of {span.moments} moments unexplained" if span.unexplained else ""
     begin, end = span.begin + offset, span.end + offset

@@ -1,4 +1,4 @@
-"""Where to draw the states and arrows of an automaton on a page. Lengths are pixels."""
+"""Layout of an automaton's states and arrows on a page. Lengths are pixels."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from hitab_core.drawing.layout import (
 )
 from hitab_core.drawing.picture import words
 
-INCH = 72.0  # in which `hitab_core.drawing` measures
+INCH = 72.0  # unit of length of `hitab_core.drawing`
 WIDTH = 392.0
 LINE = 13.0
-WRAP = 26
-"""Characters in a line of a label."""
+LABEL_WIDTH = 26
+"""Maximum characters in a line of a label."""
 
 ARROW_GAP = 2.0
 """The gap between a state and an arrow."""
@@ -33,13 +33,13 @@ ARROW_GAP = 2.0
 
 @dataclass(frozen=True)
 class DrawnArrow:
-    """An arrow.
+    """An arrow, ready to be drawn.
 
     Attributes:
-        path: of an SVG.
-        lines: of its label, or the number of its rule if there is no room for the label.
-        place: of the label.
-        number: of its rule, which is listed below the drawing; 0 if it is not.
+        path: SVG path of the arrow.
+        lines: lines of the label, or the rule's number if there is no room for the label.
+        place: box of the label.
+        number: number of the rule in the list below the drawing; 0 if not listed.
     """
 
     arrow: Arrow
@@ -70,7 +70,7 @@ def graph(automaton: Automaton, automata: Collection[str]) -> Graph:
 
 
 class _ByIdentity:
-    """Makes an automaton a key without looking into it."""
+    """Wraps an automaton as a cache key that is compared by identity."""
 
     def __init__(self, automaton: Automaton) -> None:
         self.automaton = automaton
@@ -84,7 +84,7 @@ class _ByIdentity:
 
 @lru_cache(maxsize=64)
 def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
-    """Lay everything out, again and again, with numbers for labels that have no room."""
+    """Lay out the automaton, replacing labels by numbers until all of them have room."""
     automaton = key.automaton
     drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
     drawn.sort(key=lambda arrow: words(arrow) == "")
@@ -96,10 +96,10 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
     while True:
         labels = [str(numbers[i]) if i in numbers else text for i, text in enumerate(texts)]
         boxes, curves, places = layout = _layout(states, drawn, labels, height)
-        crowded = [i for i in _without_room(layout, height) if i not in numbers]
+        crowded = [i for i in _misplaced_labels(layout, height) if i not in numbers]
         if not crowded:
             break
-        crowded.sort(key=lambda i: len(texts[i]))  # with the longest gone, others have room
+        crowded.sort(key=lambda i: len(texts[i]))  # the longest first: then others may have room
         numbered = sorted([*numbers, *crowded[len(crowded) // 2 :]])
         numbers = {i: number for number, i in enumerate(numbered, 1)}
     shown = []
@@ -121,9 +121,9 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
 
 
 def _narrow(text: str) -> str:
-    """Wrap a label so that there is room for it beside the states."""
+    """Wrap a label so that it fits beside the states."""
     lines = text.split("\n")
-    return "\n".join(part for line in lines for part in textwrap.wrap(line, WRAP) or [""])
+    return "\n".join(part for line in lines for part in textwrap.wrap(line, LABEL_WIDTH) or [""])
 
 
 def _size(text: str, per_letter: float, line: float) -> tuple[float, float]:
@@ -163,8 +163,8 @@ def _pixels(box: Box, height: float) -> Box:
     return Box(x, y, box.width * INCH, box.height * INCH)
 
 
-def _without_room(layout: Layout, height: float) -> list[int]:
-    """Return the labels that are outside or cannot be read, see `misplaced`."""
+def _misplaced_labels(layout: Layout, height: float) -> list[int]:
+    """Return the labels outside the drawing or illegible, see `misplaced`."""
     boxes, curves, places = layout
     outside = {
         i

@@ -1,4 +1,4 @@
-"""Renaming and deleting behaviors of a library."""
+"""Actions that rename and delete behaviors of a library."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_client import SwarmError
 from hitab_client.cli_remedies import called
 from hitab_client.run_folder import libraries_of
 from hitab_core import BehaviorLibrary, Term, load_domain
-from hitab_studio.actions.recording import meanwhile_busy
+from hitab_studio.actions.recording_actions import meanwhile_busy
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 from hitab_studio.swarm_link import Connected
@@ -18,7 +18,7 @@ from hitab_studio.swarm_link import Connected
 
 @action("behavior-rename")
 async def rename(page: Page, data: Data) -> None:
-    """Rename a behavior, also in what uses it."""
+    """Rename a behavior, also in the behaviors that use it."""
     old, new = page.dialog["name"], str(data["values"].get("name", "")).strip()
     await change_library(
         page,
@@ -30,19 +30,19 @@ async def rename(page: Page, data: Data) -> None:
 
 @action("behavior-delete")
 async def delete(page: Page, data: Data) -> None:
-    """Delete a behavior, also if others use it and the person was warned."""
+    """Delete a behavior, even if others use it, of which the dialog warned."""
     name = page.dialog["name"]
-    told = bool(users_of(page, name))
+    warned = bool(users_of(page, name))
     await change_library(
         page,
-        lambda library: library.remove(name, anyway=told),
+        lambda library: library.remove(name, anyway=warned),
         f"{name} is deleted; its versions are kept: `{called()} library restore {name}`",
     )
     page.behavior = ""
 
 
 def users_of(page: Page, name: str) -> list[str]:
-    """Return the behaviors of the agent that use a behavior."""
+    """Return the names of the agent's behaviors that use a behavior."""
     return sorted(
         user.name
         for user in page.watched.behaviors.values()
@@ -51,12 +51,12 @@ def users_of(page: Page, name: str) -> list[str]:
 
 
 async def change_library(page: Page, what: Callable[[BehaviorLibrary], Any], done: str) -> None:
-    """Change the library of the agent, and have all who use it read it again.
+    """Change the library of the agent, and reload it in all agents that use it.
 
     Raises:
-        SwarmError: if its folder or its domain is not known here, or an agent goes on with what it
-            had read.
-        LibraryError: if it cannot be changed so.
+        SwarmError: if the library's folder or domain is unknown here, or an agent does not reload
+            the library.
+        LibraryError: if the change is not possible.
     """
     agent, known = page.agent, page.studio.known
     used = libraries_of(Path(known.target.folder)) if known.target is not None else {}
