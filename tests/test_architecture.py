@@ -51,7 +51,7 @@ BUDGET = {
     "hitab_cli": 2950,
     "hitab_client": 4200,
     "hitab_commander": 1050,
-    "hitab_core": 9300,
+    "hitab_core": 9350,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
@@ -60,7 +60,7 @@ BUDGET = {
     "hitab_studio": 4600,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29150,
+    "tests": 29250,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
