@@ -105,7 +105,7 @@ def perform(
 ) -> None:
     """Make an agent perform a behavior from its beginning; without one, stop it.
 
-    A training under way is kept with its examples; `hitab train AGENT` goes on with it.
+    A current training is kept with its examples; `hitab train AGENT` resumes it.
 
     Args:
         behavior: A behavior; without one, stop.
