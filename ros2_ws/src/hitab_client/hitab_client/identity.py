@@ -73,9 +73,9 @@ def other_swarm(node: str, owner: str, chosen: str) -> SwarmError:
             f"{node} belongs to swarm {owner}, which was not started from here (another "
             f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {owner}"
         )
-    whose = f"swarm {owner}" if owner else STARTED_BY_HAND
+    other = f"swarm {owner}" if owner else STARTED_BY_HAND
     return SwarmError(
-        f"{node} belongs to {whose}, not to swarm {chosen}; choose the swarm with --swarm NAME, or "
-        "stop one of the two",
+        f"{node} belongs to {other}, not to swarm {chosen}; choose the swarm with --swarm NAME, "
+        "or stop one of the two",
         Fix.DOWN(),
     )
