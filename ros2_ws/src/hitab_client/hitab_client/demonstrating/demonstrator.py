@@ -253,7 +253,7 @@ class Demonstrator:
             self.tell("released: simulated worlds go on, and each robot waits to be re-armed")
             return
         acting = self._stops.names()
-        who = f": {some(acting)}" if acting else "; nothing that acts is there, who comes obeys"
+        who = f": {some(acting)}" if acting else "; nothing that acts is there, late ones obey"
         self.tell(f"emergency stop: all have to stand still{who}", failed=not acting)
 
     def _step(self, by: int) -> None:

@@ -168,8 +168,8 @@ def distribute(
     if report.missing:
         have, missing = len(report.accepted), len(report.missing)
         raise HitabError(
-            f'only {have} of {have + missing} receivers have "{behavior}" now; mend what is '
-            "said of the others, and distribute it again"
+            f'only {have} of {have + missing} receivers have "{behavior}" now; solve the '
+            "problems of the others, and distribute it again"
         )
 
 
