@@ -87,7 +87,7 @@ GROUPS = {
     "train.lesson": "Train",
     "libraries.library": "Perform",
 }
-"""The panel of each module whose ``app`` is a group of verbs."""
+"""Panel of each module whose ``app`` is a group of verbs."""
 
 HELP = "Train robots, teams and swarms by demonstration, while they run."
 

@@ -126,10 +126,10 @@ class AgentPresence:
     async def await_agents(
         self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
     ) -> list[str]:
-        """Wait for these agents, or else for the expected ones, and return those that are up.
+        """Wait for these agents, by default for the expected ones; return the agents that are up.
 
-        Those whose processes have ended are not waited for. If none are expected, wait until no
-        new agent has appeared for a while.
+        Agents whose processes have ended are not waited for. Without expected agents, wait until
+        no new agent has appeared for a while.
 
         Raises:
             SwarmError: if one of them belongs to another swarm.

@@ -97,7 +97,7 @@ def _keep(folder: Path, behavior: str, made: Generation) -> None:
 
 @dataclass(frozen=True)
 class Bootstrapping:
-    """Makes generations with a swarm, and returns to earlier ones.
+    """Steps of behavior bootstrapping with a swarm.
 
     Attributes:
         swarm: client of the agents.

@@ -1,4 +1,4 @@
-"""DDS settings: which processes discover each other, when a killed one is dropped, and memory.
+"""DDS settings of HiTAB's processes: discovery, dropping of killed processes, and memory.
 
 By default all traffic stays on this machine. ROS's own `LOCALHOST` range discovers only 32
 processes and listens on all interfaces, so it is replaced by a profile that binds to 127.0.0.1.

@@ -33,49 +33,49 @@ def is_identity(text: str) -> bool:
     return re.fullmatch(r"\S+-[0-9a-f]{8}", text) is not None
 
 
-def is_by_hand(heard: str) -> bool:
+def is_by_hand(owner: str) -> bool:
     """Whether a node was started without `hitab up`.
 
     Args:
-        heard: the identity in the node's status.
+        owner: identity in the node's status.
     """
-    return not heard or heard.startswith(LAUNCHED)
+    return not owner or owner.startswith(LAUNCHED)
 
 
-def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
+def is_own(owner: str, chosen: str, *, started_by_it: bool) -> bool:
     """Whether a node belongs to the chosen swarm.
 
     Args:
-        heard: the identity in the node's status; empty if it was started by hand.
-        meant: identity of the chosen swarm, or `STARTED_BY_HAND`; empty for any.
+        owner: identity in the node's status; empty if it was started by hand.
+        chosen: identity of the chosen swarm, or `STARTED_BY_HAND`; empty for any.
         started_by_it: whether that swarm has started a node of this name.
     """
-    if not meant or heard == meant:
+    if not chosen or owner == chosen:
         return True
-    if meant == STARTED_BY_HAND:
-        return is_by_hand(heard)
-    return not heard and not started_by_it
+    if chosen == STARTED_BY_HAND:
+        return is_by_hand(owner)
+    return not owner and not started_by_it
 
 
-def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
+def other_swarm(node: str, owner: str, chosen: str) -> SwarmError:
     """Return the error for a node of another swarm than the chosen one."""
     from hitab_client.run_folder import registered_swarms  # circular: it imports `is_identity`
 
-    left = [record.swarm for _, record in registered_swarms() if record.identity == heard]
-    if meant == STARTED_BY_HAND and left:
+    left = [record.swarm for _, record in registered_swarms() if record.identity == owner]
+    if chosen == STARTED_BY_HAND and left:
         return SwarmError(
             f'{node} is left of swarm "{left[0]}", which has ended without being stopped',
             Fix.DOWN(swarm=left[0]),
             Fix.UP(swarm=left[0]),
         )
-    if meant == STARTED_BY_HAND:
+    if chosen == STARTED_BY_HAND:
         return SwarmError(
-            f"{node} belongs to swarm {heard}, which was not started from here (another "
-            f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {heard}"
+            f"{node} belongs to swarm {owner}, which was not started from here (another "
+            f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {owner}"
         )
-    whose = f"swarm {heard}" if heard else STARTED_BY_HAND
+    other = f"swarm {owner}" if owner else STARTED_BY_HAND
     return SwarmError(
-        f"{node} belongs to {whose}, not to swarm {meant}; choose the swarm with --swarm NAME, or "
-        "stop one of the two",
+        f"{node} belongs to {other}, not to swarm {chosen}; choose the swarm with --swarm NAME, "
+        "or stop one of the two",
         Fix.DOWN(),
     )

@@ -51,7 +51,7 @@ class Stops:
         self._reports: dict[str, tuple[float, StopState]] = {}  # with times of receipt, by topic
         self._topics: set[str] = set()
         self.found_at = time.monotonic()
-        self._meant: set[str] = set()  # identities of the requested stops or releases
+        self._requested: set[str] = set()  # identities of the requested stops or releases
         self.look()
 
     @property
@@ -102,7 +102,7 @@ class Stops:
         for name, report in self._present():
             if report is None:
                 found[name] = "does not answer"
-            elif bool(self._meant & {*report.emergencies}) is not engaged:
+            elif bool(self._requested & {*report.emergencies}) is not engaged:
                 found[name] = "has not heard it"
             elif engaged and report.state != StopState.STOPPED:
                 found[name] = "still moves"
@@ -120,12 +120,12 @@ class Stops:
         """
         known = self.switch.known
         reported = {it for _, report in self._present() if report for it in report.emergencies}
-        if engaged and (ended := self._meant & {*known.released}):
+        if engaged and (ended := self._requested & {*known.released}):
             raise SwarmError(f"released meanwhile by {known.released[ended.pop()]}")
-        if self._meant:
+        if self._requested:
             self.switch.tell()
         elif engaged or reported <= {*known.stops, *known.released}:
-            self._meant = self.switch.set(engaged, by, reason)
+            self._requested = self.switch.set(engaged, by, reason)
 
     def label(self, name: str, ends: Sequence[Stops]) -> str:
         """Return a robot's name, with the ROS domain if it is in several of these."""

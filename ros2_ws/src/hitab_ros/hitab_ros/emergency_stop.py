@@ -129,12 +129,12 @@ class EmergencySwitch:
         self._know(known, known, tells=self._hands_on)
 
     def _hear_state(self, message: EmergencyState) -> None:
-        heard = KnownStops.of_texts(message.stops, message.released)
-        self._know(self.known.joined(heard), heard, tells=self._hands_on)
+        received = KnownStops.of_texts(message.stops, message.released)
+        self._know(self.known.joined(received), received, tells=self._hands_on)
 
-    def _know(self, known: KnownStops, heard: KnownStops, *, tells: bool) -> None:
+    def _know(self, known: KnownStops, received: KnownStops, *, tells: bool) -> None:
         before, self.known = self.known, known
-        if tells and must_tell(before, known, heard):
+        if tells and must_tell(before, known, received):
             self.tell()
         if known != before:
             self._changed(known)

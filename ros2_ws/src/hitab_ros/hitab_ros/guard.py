@@ -49,7 +49,7 @@ class Guard:
     """Runs callbacks so that their exceptions do not end the process.
 
     Attributes:
-        faults: of the callbacks' node.
+        faults: faults of the callbacks' node.
         log: rate-limited log of failures and of received text.
     """
 

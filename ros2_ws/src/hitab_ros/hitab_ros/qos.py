@@ -36,7 +36,7 @@ CYCLE = QoSProfile(
 STREAM = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5, reliability=ReliabilityPolicy.BEST_EFFORT
 )
-"""Data for viewers, and heartbeats: what comes after a lost message does not wait for it."""
+"""Data for viewers, and heartbeats: a lost message does not delay later ones."""
 
 PERCEIVED = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE

@@ -46,7 +46,7 @@ class SparingLog:
         """Write a text, unless it repeats an earlier one or exceeds the rate.
 
         Args:
-            text: to write.
+            text: text to write.
             cause: identifies repetitions; the text itself by default.
             limit: maximum characters written.
         """

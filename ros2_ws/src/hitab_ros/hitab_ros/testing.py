@@ -54,7 +54,7 @@ def spin_until(
 
     Args:
         executor: executor of the nodes.
-        condition: to wait for.
+        condition: condition to wait for.
         each: called repeatedly meanwhile.
 
     Raises:

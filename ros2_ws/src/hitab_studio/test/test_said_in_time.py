@@ -92,7 +92,7 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
         assert page.lost.behavior == "Stop"
         said = [message.text for message in page.messages.shown]
         assert "GoSlow is left out: Stop was not taken" in said
-        assert said[-1] == "undo is left out: the command that it was for was not taken"
+        assert said[-1] == "undo is left out: the last command was not taken"
         await ask("undo", "GoSlow", "undo")
         assert done == ["GoFast", "undo", "GoSlow", "undo"]
         requests.close()

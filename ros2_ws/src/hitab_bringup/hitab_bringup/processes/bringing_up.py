@@ -263,7 +263,7 @@ def _is_exact(swarm: SwarmDescription) -> bool:
 
 
 def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
-    """Raise if a process has ended; an agent whose name is taken may notice it first.
+    """Check that no process has ended; an agent may be the first to detect a taken name.
 
     Raises:
         NamesTakenError: if names are in use.

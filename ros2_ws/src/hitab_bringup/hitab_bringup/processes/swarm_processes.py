@@ -26,7 +26,7 @@ EAGER_PROCESSES_MAX = 25
 """Number of processes above which each creates its services only on request."""
 
 COMPANIONS = "hitab.companions"
-"""Entry points: a module to run beside each agent whose robot's link is in a package, by package.
+"""Entry-point group, by package of a robot's link: a module to run beside each such agent.
 
 It runs in the agent's namespace, with the agent's remappings and parameters.
 """

@@ -135,7 +135,7 @@ def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT_MARK) -> dict[st
 
 
 class _Reader:
-    """Makes a swarm from the lines of a file, and collects complaints about conflicts."""
+    """Builder of a swarm from the lines of a file; collects complaints about conflicts."""
 
     def __init__(
         self, file: SwarmLines, complaints: Complaints, path: Path, words: SwarmVocabulary

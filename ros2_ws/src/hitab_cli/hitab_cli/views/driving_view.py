@@ -92,17 +92,19 @@ def _keys(demonstrator: Demonstrator) -> Iterator[Text]:
 
 
 def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
-    asked = demonstrator.prompt
-    assert asked is not None
-    if asked.number is not None:
+    prompt = demonstrator.prompt
+    assert prompt is not None
+    if prompt.number is not None:
         yield console.line(
-            f"{asked.term}: {asked.number}?  {asked.typed}_   Enter, Esc none", "bold"
+            f"{prompt.term}: {prompt.number}?  {prompt.typed}_   Enter, Esc none", "bold"
         )
         return
-    parameter = asked.term.arguments[asked.place]
-    numbered = enumerate(asked.targets[:9], 1)
+    parameter = prompt.term.arguments[prompt.place]
+    numbered = enumerate(prompt.targets[:9], 1)
     targets = "   ".join(f"{number} {target}" for number, target in numbered)
-    yield console.line(f"{asked.term}: which target is {parameter}?  {targets}   Esc none", "bold")
+    yield console.line(
+        f"{prompt.term}: which target is {parameter}?  {targets}   Esc none", "bold"
+    )
 
 
 def _help() -> Iterator[Text]:

@@ -23,7 +23,7 @@ class AgentVocabulary:
         domain: name of the agent's domain.
         behaviors: behaviors with parameters, in the order of their keys; in training, flags
             come last.
-        keys: of the behaviors that have one.
+        keys: keys of the behaviors, by behavior.
         targets: targets for parameters; in training, also the automaton's own parameters.
         training: name of the automaton in training, or of a suspended training; empty if none.
         numbers: numbers of the behaviors that take numbers, by name.

@@ -247,14 +247,14 @@ class Demonstrator:
 
     def _switch(self, *, engaged: bool) -> None:
         self.let_go()
-        self._pending.clear()  # these keys were meant for before the stop
+        self._pending.clear()  # keys from before the stop
         self.switch.set(engaged, self._agents.demonstrator)
         if not engaged:
             self.tell("released: simulated worlds go on, and each robot waits to be re-armed")
             return
         acting = self._stops.names()
-        heard = f": {some(acting)}" if acting else "; nothing that acts is there, who comes obeys"
-        self.tell(f"emergency stop: all have to stand still{heard}", failed=not acting)
+        who = f": {some(acting)}" if acting else "; nothing that acts is there, late ones obey"
+        self.tell(f"emergency stop: all have to stand still{who}", failed=not acting)
 
     def _step(self, by: int) -> None:
         agents = sorted({*self._agents.expected, *self._agents.agents()}, key=natural)

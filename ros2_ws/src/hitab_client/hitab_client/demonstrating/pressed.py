@@ -94,7 +94,7 @@ class UnseenOutcomes:
         if action == "undo":
             del self._taken[agent][-1:]
         if action in ("undo", "earlier") and taken == [False]:
-            raise SwarmError(f"{action} is left out: the command that it was for was not taken")
+            raise SwarmError(f"{action} is left out: the last command was not taken")
 
     @property
     def there(self) -> bool:

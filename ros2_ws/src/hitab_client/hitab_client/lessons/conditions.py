@@ -1,4 +1,4 @@
-"""Conditions of a lesson, in terms of what a person sees.
+"""Conditions of a lesson, in a person's terms.
 
     {distance: [keeper_1, ball], below: 4}          m; `above` likewise
     {bearing: [keeper_1, ball], above: 10}          degrees off keeper_1's heading

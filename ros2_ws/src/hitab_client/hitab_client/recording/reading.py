@@ -205,7 +205,7 @@ def _records(stream: BinaryIO, size: int) -> Iterator[list[McapRecord]]:
     reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=size)
     for record in reader.records:
         if isinstance(record, DataEnd):
-            return  # the summary repeats what was read
+            return  # the summary only repeats the data
         if isinstance(record, Chunk):
             yield breakup_chunk(record, validate_crc=True)
         else:

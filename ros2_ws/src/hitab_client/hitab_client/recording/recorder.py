@@ -60,7 +60,7 @@ PERCEIVING_MAX = 64
 
 
 class Recorder:
-    """Records every topic of the swarm, including those that appear later.
+    """Recorder of every topic of a swarm, including topics that appear later.
 
     Messages are not deserialized: they are written as received, with the times of sending and of
     receipt. Percepts are recorded of each agent with a process of its own.

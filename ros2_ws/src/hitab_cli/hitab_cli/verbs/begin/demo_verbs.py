@@ -39,6 +39,6 @@ def demo(
     from hitab_cli.demo.training_demo import offered_demo, run_demo
 
     offered = offered_demo(name)
-    port_meant = port if studio else None
-    figures = run_demo(offered, out, episodes, seed, port_meant, browser=browser)
+    studio_port = port if studio else None
+    figures = run_demo(offered, out, episodes, seed, studio_port, browser=browser)
     console.write_json(json, figures)

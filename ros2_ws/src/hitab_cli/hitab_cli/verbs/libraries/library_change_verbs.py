@@ -152,7 +152,7 @@ def import_(
 
     Args:
         file: A file that `hitab library export` wrote.
-        dry_run: Only list what would be replaced.
+        dry_run: Only list the behaviors that would be replaced.
 
     Examples:
       hitab library import Keepaway.bundle.yaml -l my_library --dry-run

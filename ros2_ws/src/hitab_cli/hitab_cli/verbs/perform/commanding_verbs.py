@@ -105,7 +105,7 @@ def perform(
 ) -> None:
     """Make an agent perform a behavior from its beginning; without one, stop it.
 
-    A training under way is kept with its examples; `hitab train AGENT` goes on with it.
+    A current training is kept with its examples; `hitab train AGENT` resumes it.
 
     Args:
         behavior: A behavior; without one, stop.
@@ -168,8 +168,8 @@ def distribute(
     if report.missing:
         have, missing = len(report.accepted), len(report.missing)
         raise HitabError(
-            f'only {have} of {have + missing} receivers have "{behavior}" now; mend what is '
-            "said of the others, and distribute it again"
+            f'only {have} of {have + missing} receivers have "{behavior}" now; solve the '
+            "problems of the others, and distribute it again"
         )
 
 

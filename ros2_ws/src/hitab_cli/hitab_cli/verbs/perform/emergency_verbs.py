@@ -38,7 +38,7 @@ def stop(
     others. It takes no names: `hitab perform ROBOT` stops one robot.
 
     Args:
-        reason: Why, for those who read the status.
+        reason: Reason, shown in statuses.
         wait: Fail if not all have confirmed within this time, s. Default: no limit.
 
     Examples:
@@ -61,7 +61,7 @@ def go(context: typer.Context, reason: str = "") -> None:
     remains in force.
 
     Args:
-        reason: Why, for those who read the status.
+        reason: Reason, shown in statuses.
 
     Example:
       hitab go
@@ -102,7 +102,7 @@ def arm(
     if robots and all_robots:
         raise typer.BadParameter("give names of robots or --all, not both")
     refused = []
-    with _meant(swarm) as (end, prefix, own):
+    with _chosen_robots(swarm) as (end, prefix, own):
         where = f"in ROS domain {end.domain_id}"
         Stops.listen([end], REARM_TIMEOUT_S)
         waiting = {
@@ -204,7 +204,7 @@ def _everywhere() -> Iterator[list[Stops]]:
 
 
 @contextmanager
-def _meant(swarm: str | None) -> Iterator[tuple[Stops, str, set[str]]]:
+def _chosen_robots(swarm: str | None) -> Iterator[tuple[Stops, str, set[str]]]:
     """Yield a swarm's ROS domain, the prefix of its robots' names, and the names; empty for any.
 
     Args:

@@ -53,11 +53,13 @@ def tree(
 
         def drawn() -> list[Any]:
             view.discover()
-            return [_drawn(branch, agents) for branch in _meant(swarm_up, view, commander, lost)]
+            return [
+                _drawn(branch, agents) for branch in _branches(swarm_up, view, commander, lost)
+            ]
 
         if watch:
             swarm_up.watch(drawn)
-        branches = _meant(swarm_up, view, commander, lost)
+        branches = _branches(swarm_up, view, commander, lost)
         data = {"commanders": [branch.data() for branch in branches]}
         console.show(json, data, *(_drawn(branch, agents) for branch in branches))
         for branch in branches if json is None else ():
@@ -84,7 +86,7 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
 
-def _meant(
+def _branches(
     swarm_up: Connection, view: CommanderView, commander: str, lost: Sequence[str]
 ) -> list[Branch]:
     """Return the branch of a commander; all branches if none is named.

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from hitab_client.bootstrapping import Generation
 
 app = typer.Typer(
-    help="Train a team step by step: one agent learns among teammates that perform what it has "
-    "learned so far. Use it if the right behavior depends on what the others do."
+    help="Train a team step by step: one agent learns among teammates that perform the behavior "
+    "learned so far. For behaviors that depend on the teammates."
 )
 
 To = Annotated[list[str] | None, typer.Option(help="A teammate. Repeatable. Default: all others.")]
