@@ -226,7 +226,7 @@ class Page:
         if self.player is None:
             self.choose([])
 
-    # -- what the field shows ---------------------------------------------------------------
+    # -- the shown field ------------------------------------------------------------------
 
     def frame(self) -> bytes:
         """Return the current frame of the swarm or of the open recording."""
