@@ -36,7 +36,7 @@ def told_absent(person: Person) -> None:
     person.sees("absent", "is suspended (process ")
     person.sees(f"agent-{ONE}", "suspended")
     person.sees("absent-suspended", "1 suspended")
-    person.sees("as-it-was", "known before")
+    person.sees("as-it-was", "last known state")
     person.waits_until(
         lambda: (
             person.page.evaluate(

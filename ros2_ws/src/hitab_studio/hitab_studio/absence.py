@@ -1,4 +1,4 @@
-"""How an agent, or the world, is absent: one word for each state, as on the command line."""
+"""The states of absence of an agent or the world, in the same words as on the command line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ NOT_HEARD = "not heard yet"
 
 
 def absence(known: SwarmState, name: str) -> Silence | None:
-    """Return how an agent, or the world, is absent; None if it answers.
+    """Return the state of absence of an agent or the world; None if present.
 
     `Silence.what` completes a sentence that begins with the name, such as ``has ended``.
     """

@@ -141,23 +141,18 @@ class AgentWatch:
 
     def _needed(self, status: Any) -> set[str]:
         """Return the names of the trained and the active behaviors, and of their parts."""
-        known, training, seen = self.known, self.training, set(self._wanted)
-        waiting = [Term.parse(s).name for s in [status.behavior, *status.active_path] if s]
-        if training is not None:
-            waiting += [Term.parse(s).name for s in training.states]
-        while waiting:
-            name = waiting.pop()
-            if name in seen or name in FLAGS or name == START:
-                continue
-            if training is not None and name == training.name:
-                continue
-            seen.add(name)
-            behavior = known.behaviors.get(name)
-            if behavior is not None:
-                waiting += [Term.parse(s).name for s in behavior.states]
-        shelf = sorted(known.vocabulary.trained)[:SHELF_MAX]
+        known, training, found = self.known, self.training, set(self._wanted)
         trained = training.name if training is not None else ""
-        return seen | {name for name in shelf if name != trained}
+        labels = [label for label in (status.behavior, *status.active_path) if label]
+        labels += training.states if training is not None else ()
+        while labels:
+            name = Term.parse(labels.pop()).name
+            if name not in found | {*FLAGS, START, trained}:
+                found.add(name)
+                behavior = known.behaviors.get(name)
+                labels += behavior.states if behavior is not None else ()
+        shelf = sorted(known.vocabulary.trained)[:SHELF_MAX]
+        return found | {*shelf} - {trained}
 
     # -- asking -----------------------------------------------------------------------------
 

@@ -36,7 +36,7 @@ class FieldFrame:
         """Encode a scene; return whether the roster has changed.
 
         Args:
-            scene: to encode.
+            scene: the scene to encode.
             doing: mode and active state of each agent, by name.
         """
         palette = self._palette

@@ -63,7 +63,7 @@ def graph(automaton: Automaton, automata: Collection[str]) -> Graph:
     """Return the drawing of an automaton.
 
     Args:
-        automaton: to draw.
+        automaton: the automaton to draw.
         automata: names of the behaviors that can be opened.
     """
     return _graph(_ByIdentity(automaton), frozenset(automata))

@@ -62,7 +62,7 @@ class Markers:
         """Publish a scene if there are subscribers and the period has passed.
 
         Args:
-            scene: to show.
+            scene: the scene to show.
             doing: mode and active state of each agent, by name.
             colors: colors of states, by name; agents in other states keep the agents' color.
         """

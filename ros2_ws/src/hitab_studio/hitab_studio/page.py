@@ -135,15 +135,15 @@ class Page:
         self.busy = 0
         self.outgoing: deque[str] = deque(maxlen=50)
         self.news = asyncio.Event()
-        self.become(demonstrator)
+        self.set_demonstrator(demonstrator)
 
-    def become(self, demonstrator: str) -> None:
+    def set_demonstrator(self, demonstrator: str) -> None:
         """Set the name of the person at the page."""
         if demonstrator != self.demonstrator:
             self.demonstrator = demonstrator
-            self.belong(self.browser)
+            self.assign_browser(self.browser)
 
-    def belong(self, browser: str) -> None:
+    def assign_browser(self, browser: str) -> None:
         """Assign the page to a browser, whose pages hold agents together, under one name."""
         self.browser = browser
         others = {page.name for page in self.studio.pages.values() if not self.is_same(page)}
@@ -226,7 +226,7 @@ class Page:
         if self.player is None:
             self.choose([])
 
-    # -- what the field shows ---------------------------------------------------------------
+    # -- the shown field ------------------------------------------------------------------
 
     def frame(self) -> bytes:
         """Return the current frame of the swarm or of the open recording."""

@@ -186,7 +186,7 @@ def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) 
     """Return the binary frame of a scene.
 
     Args:
-        scene: to encode.
+        scene: the scene to encode.
         doing: mode and active state of each agent, by name.
         palette: assigns colors to states.
     """

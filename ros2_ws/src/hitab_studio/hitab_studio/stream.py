@@ -24,7 +24,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         await socket.close(UNKNOWN_PAGE)
         return
     page.connected = True
-    page.belong(socket.cookies.get(BROWSER, page.browser))
+    page.assign_browser(socket.cookies.get(BROWSER, page.browser))
     studio.touch()
     page.show_again()
     page.send({"t": "chosen", "names": page.chosen})

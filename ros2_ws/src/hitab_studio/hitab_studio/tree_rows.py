@@ -35,7 +35,7 @@ def tree_rows(
     """Return the rows of a tree.
 
     Args:
-        tree: to show.
+        tree: the tree to show.
         names: names of the tree's features.
         values: known values of features, by name; `Row.taken` marks the decision for them.
     """

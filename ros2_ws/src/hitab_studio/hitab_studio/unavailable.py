@@ -27,10 +27,9 @@ def world(page: Page) -> str:
 
 def training(page: Page) -> str:
     """Return the reason for which keys of a training are unavailable."""
-    kept = page.training is not None
-    if (why := page.agent_off) or page.is_training or kept:
+    if (why := page.agent_off) or page.is_training or page.training is not None:
         return why
-    return f"{page.agent} is not being trained: press Train… above the field."
+    return nothing_in_training(page)
 
 
 def undoing(page: Page) -> str:

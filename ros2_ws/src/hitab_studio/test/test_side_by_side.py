@@ -203,7 +203,7 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
     in_the_server(lambda: stand_in.target, term)
 
 
-# -- what a page asks for -------------------------------------------------------------------
+# -- requests of a page ---------------------------------------------------------------------
 
 
 def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_not(monkeypatch):

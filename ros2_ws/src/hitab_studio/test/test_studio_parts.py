@@ -227,7 +227,7 @@ def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
     assert kept.everything()["keeper_1"]["x"] == 3.0
 
 
-# -- what was learned -----------------------------------------------------------------------
+# -- learned behaviors ----------------------------------------------------------------------
 
 
 def test_examples_that_go_to_different_states_from_the_same_disagree():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hitab_client import SwarmClient, SwarmError
-from hitab_core import Term, numbered, with_numbers
+from hitab_core import Example, Term, numbered, with_numbers
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import go_there
 from hitab_studio.page import Page
@@ -99,38 +99,38 @@ async def relabel(page: Page, data: Data) -> None:
 @action("renumber")
 async def renumber(page: Page, data: Data) -> None:
     """Change a number in the command of an example."""
-    number, training = int(data["number"]), page.training
-    found = [e for e in training.examples if e.number == number] if training else []
-    if training is None or not found:
+    training, example = page.training, _example(page, data)
+    if training is None or example is None:
         return
-    state = Term.parse(found[0].next_state)
+    state = Term.parse(example.next_state)
     numbers = training.numbers_of(state)
-    given = {n.name: value for n, value in zip(numbers, found[0].numbers, strict=True)}
+    given = {n.name: value for n, value in zip(numbers, example.numbers, strict=True)}
     name = str(data["name"])
     given[name] = number_from({name: data["value"]}, name)
     meant = str(with_numbers(state, [given[n.name] for n in numbers], numbers))
-    await page.request(SwarmClient.relabel, [number], meant)
-    page.tell(f"Example {number} now leads to {meant}")
+    await page.request(SwarmClient.relabel, [example.number], meant)
+    page.tell(f"Example {example.number} now leads to {meant}")
 
 
 @action("situation")
 async def situation(page: Page, data: Data) -> None:
     """Restore the positions of all things at the time of an example."""
-    number = int(data["number"])
-    training = page.training
-    found = [e for e in training.examples if e.number == number] if training else []
-    scene = (
-        page.studio.known.moments.get((page.agent, training.name, number, found[0].cycle))
-        if training is not None and found
-        else None
-    )
+    training, example, number, scene = page.training, _example(page, data), data["number"], None
+    if training is not None and example is not None:
+        key = (page.agent, training.name, example.number, example.cycle)
+        scene = page.studio.known.moments.get(key)
     if scene is None:
         raise SwarmError(
-            f"Where everything was when example {number} was recorded is not known: "
-            "the studio was not watching then."
+            f"The positions of example {number} are unknown: the studio was not watching then."
         )
     await go_there(page, scene.everything())
     page.tell(f"This is where example {number} was recorded; the world is paused")
+
+
+def _example(page: Page, data: Data) -> Example | None:
+    """Return the example of a request; None if deleted meanwhile."""
+    examples = page.training.examples if page.training is not None else ()
+    return next((e for e in examples if e.number == int(data["number"])), None)
 
 
 def _them(numbers: list[int]) -> str:

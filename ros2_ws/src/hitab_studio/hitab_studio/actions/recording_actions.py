@@ -18,16 +18,14 @@ T = TypeVar("T")
 @action("record")
 async def record(page: Page, data: Data) -> None:
     """Start or stop recording the run."""
-    link, store = page.studio.link, page.studio
     if page.player is not None:
         raise SwarmError(RECORDING)
-    if store.known.recording:
-        page.tell(f"Recorded to {link.observer.stop_recording()}")
+    known, observer = page.studio.known, page.studio.link.observer
+    if known.recording:
+        page.tell(f"Recorded to {observer.stop_recording()}")
     else:
-        path = str(
-            recordings.new_recording(store.known.target.swarm if store.known.target else "")
-        )
-        link.observer.start_recording(path, page.id)
+        path = recordings.new_recording(known.target.swarm if known.target else "")
+        observer.start_recording(str(path), page.id)
     page.tab = "record"
 
 

@@ -29,18 +29,14 @@ def _chosen(values: Any) -> dict[str, Any]:
 async def save_dialog(page: Page, data: Data) -> None:
     """Open the dialog to save the trained behavior, with a preview."""
     page.open_dialog("save", training=training_of(page), preview=None, problem="")
-    await _preview(page, {})
+    await save_preview(page, {"values": {}})
 
 
 @action("save-preview", repeats=True)
 async def save_preview(page: Page, data: Data) -> None:
     """Update the preview for other options."""
-    await _preview(page, data["values"])
-
-
-async def _preview(page: Page, values: Any) -> None:
     try:
-        preview = await page.request(SwarmClient.behavior, trim=True, **_chosen(values))
+        preview = await page.request(SwarmClient.behavior, trim=True, **_chosen(data["values"]))
     except SwarmError as error:
         page.dialog |= {"preview": None, "problem": error_text(error)}
     else:

@@ -20,9 +20,8 @@ async def stop_robots(page: Page) -> None:
     Raises:
         SwarmError: if the robots were not stopped.
     """
-    link, who = page.studio.link, page.demonstrator
     try:
-        there = link.observer.stop_robots(True, who, STOP_REASON)
+        there = page.studio.link.observer.stop_robots(True, page.demonstrator, STOP_REASON)
     except SwarmError as error:
         raise SwarmError(
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
@@ -44,8 +43,7 @@ async def release_dialog(page: Page, data: Data) -> None:
 @action("release-robots", urgent=True)
 async def release_robots(page: Page, data: Data) -> None:
     """Release the emergency stop."""
-    link, who = page.studio.link, page.demonstrator
-    link.observer.stop_robots(False, who, "")
+    page.studio.link.observer.stop_robots(False, page.demonstrator, "")
     page.close_dialog()
     page.tell("Released: simulated worlds go on, and each robot waits to be re-armed")
 
@@ -53,6 +51,6 @@ async def release_robots(page: Page, data: Data) -> None:
 @action("arm")
 async def arm(page: Page, data: Data) -> None:
     """Re-arm the robot of the agent."""
-    link, agent = page.studio.link, page.agent
-    await link.observer.arm(agent)
+    agent = page.agent
+    await page.studio.link.observer.arm(agent)
     page.tell(f"{agent} may act")

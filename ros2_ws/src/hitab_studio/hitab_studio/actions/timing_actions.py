@@ -13,7 +13,7 @@ from hitab_studio.swarm_link import Connected
 @action("name-set")
 async def name_set(page: Page, data: Data) -> None:
     """Set the demonstrator's name, which the browser keeps."""
-    page.become(checked(str(data["values"].get("demonstrator", ""))))
+    page.set_demonstrator(checked(str(data["values"].get("demonstrator", ""))))
     page.send({"t": "demonstrator", "name": page.demonstrator})
     page.close_dialog()
 

@@ -39,14 +39,9 @@ async def reset(page: Page, data: Data) -> None:
 @action("pace")
 async def pace(page: Page, data: Data) -> None:
     """Set the speed of the world: a factor of real time, or lockstep."""
-    value = str(data["value"])
-    if value == "lockstep":
-        await page.ask_world(lambda world: world.control.coroutine("pace", pace="lockstep"))
-    else:
-        factor = float(value)
-        await page.ask_world(
-            lambda world: world.control.coroutine("pace", pace="realtime", factor=factor)
-        )
+    lockstep = data["value"] == "lockstep"
+    pace, factor = ("lockstep", 0.0) if lockstep else ("realtime", float(data["value"]))
+    await page.ask_world(lambda world: world.control.coroutine("pace", pace=pace, factor=factor))
 
 
 def _remember(page: Page) -> None:

@@ -172,7 +172,7 @@ class RobotWatch:
             take = self._frames.take
             self._tf.append(self._link.subscribe(kind, topic, take, quality, temporary=True))
 
-    # -- what is known ----------------------------------------------------------------------
+    # -- known state ------------------------------------------------------------------------
 
     def _value(self, topic: str) -> Any:
         reader = self._readers.get(topic)
