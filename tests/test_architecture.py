@@ -57,7 +57,7 @@ BUDGET = {
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1550,
-    "hitab_studio": 4600,
+    "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,
     "tests": 29250,
