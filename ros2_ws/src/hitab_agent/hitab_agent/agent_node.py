@@ -231,8 +231,8 @@ class AgentNode(AgentBase):
         if self.shared.host is None:
             ParameterService(self)
 
-    def destroy_node(self) -> None:
-        """Cancel the agent's actions, have the link stop the robot, then destroy the node.
+    def farewell(self) -> None:
+        """Cancel the agent's actions, and stop its robot by the link.
 
         The executor must not spin afterwards: it fails at events of destroyed action clients.
         """
@@ -244,7 +244,6 @@ class AgentNode(AgentBase):
         if self._link is not None:
             self._link.close()
             self._link = None
-        super().destroy_node()
 
     # -- percepts and commands ----------------------------------------------------------------
 

@@ -270,13 +270,12 @@ class VelocityRelay(GuardedNode):
             # the next velocity.
             write_durably(self._file, f"{json.dumps(known.texts())}\n".encode(), sync=False)
 
-    def destroy_node(self) -> None:
-        """Stop the robot, then destroy the node."""
+    def farewell(self) -> None:
+        """Stop the robot."""
         with suppress(Exception):  # the process must end in any case
             self._send(NO_VELOCITY)
             if self._base is not None:
                 self._base.wait_for_all_acked(Duration(seconds=0.5))
-        super().destroy_node()
 
 
 def main() -> None:

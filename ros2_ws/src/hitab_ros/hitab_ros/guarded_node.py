@@ -38,11 +38,27 @@ class GuardedNode(Node):
         guard: runs the callbacks; its faults belong in the node's status.
     """
 
+    _has_left = False
+
     def __init__(self, node_name: str, **options: Any) -> None:
         self.guard = Guard(lambda text: self.get_logger().warning(text))
         self.guard.faults.changed = self._tell_of_faults
         options = {"enable_rosout": False, "start_parameter_services": False, **options}
         super().__init__(node_name, **options)
+
+    def farewell(self) -> None:
+        """Do the last things to which others have to respond, such as stopping a robot."""
+
+    def leave(self) -> None:
+        """Do the `farewell`, unless it was done; before the process stops receiving."""
+        if not self._has_left:
+            self._has_left = True
+            self.farewell()
+
+    def destroy_node(self) -> None:
+        """Leave, then destroy the node."""
+        self.leave()
+        super().destroy_node()
 
     def _tell_of_faults(self) -> None:
         try:

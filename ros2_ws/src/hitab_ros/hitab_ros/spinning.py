@@ -122,9 +122,13 @@ def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
     try:
         yield spinning
     finally:
-        stop_receiving(udp_sockets() - sockets)
-        for node in list(spinning.executor.get_nodes()):
+        nodes = list(spinning.executor.get_nodes())
+        for node in nodes:
             spinning.executor.remove_node(node)
+            if isinstance(node, GuardedNode):
+                node.leave()
+        stop_receiving(udp_sockets() - sockets)
+        for node in nodes:
             node.destroy_node()
         spinning.executor.shutdown()
         rclpy.try_shutdown()

@@ -119,10 +119,9 @@ class WorldNode(GuardedNode):
         causes = [held] if held else []
         self._stop_states.publish(stop_report(self, state, causes, held, self._switch))
 
-    def destroy_node(self) -> None:
-        """Save the world's state, then destroy the node."""
+    def farewell(self) -> None:
+        """Save the world's state."""
         self.memory.save_latest()
-        super().destroy_node()
 
     def update_presence(self) -> bool:
         """Update which agents have joined the world; return whether any has joined or left."""
