@@ -78,6 +78,7 @@ def _of(people: Setting | None, module: str, names: str) -> list[Constant]:
     return [Constant(f"{module}.{name}", people) for name in names.split()]
 
 
+HISTORY = "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"
 CONSTANTS = [
     *_of(None, "learning.gain_ratio", "TIE"),
     *_of(None, "learning.tree_growth", "LEAST_FRACTION AHEAD_MAX"),
@@ -87,7 +88,7 @@ CONSTANTS = [
     *_of(NOVICES, "assistant.situation_sample", "SITUATIONS_MAX"),
     *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING NO_EXAMPLE_DISTANCE GAIN_MIN"),
     *_of(ENGINEERS, "assistant.questions", "CORRECTED"),
-    *_of(NOVICES, "training.percepts", "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"),
+    *_of(NOVICES, "training.percept_history", HISTORY),
 ]
 
 

@@ -18,9 +18,8 @@ BALL = re.compile(r"\(\(b\) (\S+) (\S+) (\S+) (\S+)\)")
 PLAYER = re.compile(r"\(\(p \w \d \S+\) (\S+) (\S+) (\S+) (\S+) (\S+) ")
 CALL = re.compile(r'\(hear \d+ \S+ our \d "p(\d)"')
 COMMAND = re.compile(r"\((dash|turn|kick) (\S+?)(?: (\S+))?\)")
-TRANSCRIPT = (
-    Path(__file__).parents[2] / "ros2_ws/src/keepaway_world/test/data/keepaway_transcript.jsonl.gz"
-)
+DATA = Path(__file__).parents[2] / "ros2_ws/src/hitab_rcssserver/test/data"
+TRANSCRIPT = DATA / "keepaway_transcript.jsonl.gz"
 
 
 def agree(one, other, tolerance) -> bool:

@@ -62,6 +62,9 @@ def test_they_last_longer_than_keepers_that_know_distances_only():
     assert sum(played("fullspeed", 6, 3, game)) >= 1.3 * sum(played("predictive", 6, 3, game))
 
 
-def test_they_play_the_same_in_three_processes_as_in_one(home):
+def test_they_play_the_same_in_three_processes_as_in_one(home, tmp_path):
     game = {"taker_speed": 1.0}
-    assert played("predictive", 4, 3, game, pace="lockstep") == played("predictive", 4, 3, game)
+    swarm = trained_keepers(library("predictive"), "Keepaway", game, seed=3)
+    with temporary_swarm(swarm, tmp_path) as running:
+        lengths = [episode.seconds for episode in running.world.play(4, 3)]
+    assert lengths == played("predictive", 4, 3, game)
