@@ -24,9 +24,6 @@ from hitab_core.library import (
 )
 from hitab_ros.answering import what_went_wrong
 
-AT_ONCE = 16
-"""Maximum number of libraries that are written at the same time, which the disk does together."""
-
 TakenIn = Callable[[Any, int, str, str], None]
 """Called with an agent's node, the sequence of a distribution, the digest of the agent's files as
 they are now, empty if it was refused, and why it was refused or what went wrong at the start."""
@@ -97,13 +94,9 @@ class BundleInstall:
     def job(self) -> Job:
         """Do the whole intake, in slices."""
         yield from self._read()
-        sound = [install for install in self._installs if not install.refused]
-        for first in range(0, len(sound), AT_ONCE):
-            writing = [self._write(install) for install in sound[first : first + AT_ONCE]]
-            while begun := [(job, step) for job in writing if (step := next(job, None))]:
-                for _, step in begun:
-                    yield step
-                writing = [job for job, _ in begun]
+        for install in self._installs:
+            if not install.refused:
+                yield from self._write(install)
         for install in self._installs:
             for receiver in install.receivers:
                 self._swap(install, receiver)
