@@ -98,14 +98,15 @@ class Meter:
     def __init__(self, link: Any, agents: int) -> None:
         from hitab_msgs import msg, srv
 
+        from hitab_core.operations import Distribute, LoadLibrary
         from hitab_ros import names, qos
         from hitab_ros.names import WORLD
 
         self._link = link
         self._load, self._distribute = srv.LoadLibrary, srv.Distribute
         node = link.node
-        self._loader = node.create_client(srv.LoadLibrary, f"/{SOURCE}/{names.LOAD_LIBRARY}")
-        self._asker = node.create_client(srv.Distribute, f"/{SOURCE}/{names.DISTRIBUTE}")
+        self._loader = node.create_client(srv.LoadLibrary, f"/{SOURCE}/{LoadLibrary.name}")
+        self._asker = node.create_client(srv.Distribute, f"/{SOURCE}/{Distribute.name}")
         self._receivers = [f"ant_{i + 1}" for i in range(agents) if f"ant_{i + 1}" != SOURCE]
         self._acks: dict[int, dict[str, tuple[float, bool]]] = defaultdict(dict)
         self.answers: dict[str, list[float]] = defaultdict(list)

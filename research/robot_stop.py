@@ -39,6 +39,8 @@ from rich.table import Table
 
 from hitab_client import RosLink, Stops, SwarmClient, SwarmError
 from hitab_client.domain_ids import reserved
+from hitab_core.operations import BeginTraining, Command
+from hitab_core.operations import Perform as Performance
 from hitab_ros import names
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples/diff_drive"
@@ -60,6 +62,7 @@ FLIES = "flies, "
 BUSY = "while True: pass"
 FLYING = """
 from hitab_core import ActionBehavior, Domain
+from hitab_core.operations import BeginTraining, Command, Perform
 from hitab_robots import Drive, Robot
 
 FLY = ActionBehavior("Fly", action_type="hitab_msgs/action/Perform", action="fly")
@@ -159,11 +162,11 @@ def trial(
         agents.await_agent(ROBOT, START_S)
         arm(stops, link)
         if flies:
-            agents.perform(ROBOT, "Fly")
+            agents.do(ROBOT, Performance("Fly"))
         elif how == "sensors silent, on its way to a place":
-            agents.perform(ROBOT, "DriveTo(goal)")
+            agents.do(ROBOT, Performance("DriveTo(goal)"))
         else:
-            agents.begin(ROBOT, "Turn", features=["RangeAhead"])
+            agents.do(ROBOT, BeginTraining("Turn", features=["RangeAhead"]))
             until_obeyed(agents, link)
         deadline = time.monotonic() + START_S
         while not base.moves and time.monotonic() < deadline:
@@ -219,7 +222,7 @@ def until_obeyed(agents: SwarmClient, link: RosLink) -> None:
     deadline = time.monotonic() + START_S
     while True:
         try:
-            agents.command(ROBOT, "TurnLeft")
+            agents.do(ROBOT, Command("TurnLeft"))
             return
         except SwarmError:
             if time.monotonic() > deadline:

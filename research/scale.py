@@ -83,6 +83,7 @@ class Orders:
     def __init__(self, link: Any, agents: int) -> None:
         from hitab_msgs import msg, srv
 
+        from hitab_core.operations import Perform
         from hitab_ros import names, qos
         from hitab_ros.names import WORLD
 
@@ -92,7 +93,7 @@ class Orders:
         self.seen: list[tuple[float, int, int]] = []
         self._done: float | None = 0.0
         self._wanted = ""
-        self._client = link.node.create_client(srv.Perform, f"/root/{names.PERFORM}")
+        self._client = link.node.create_client(srv.Perform, f"/root/{Perform.name}")
         name, _, count = next(iter(levels(agents)))
         leaders = [name] if count == 1 else [f"{name}_{i + 1}" for i in range(count)]
         for leader in leaders:

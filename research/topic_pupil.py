@@ -15,7 +15,6 @@ from itertools import pairwise
 from pathlib import Path
 
 from hitab_msgs.msg import TransitionEvent
-from hitab_msgs.srv import ReadFeatures
 from intentions import DONE, Plan
 from pupils import VISIBLE, Sight, learner
 
@@ -25,6 +24,19 @@ from hitab_client import SwarmError
 from hitab_core import START, Example, Repertoire, some
 from hitab_core.assistant import Question
 from hitab_core.assistant.question import Choice, QuestionKind
+from hitab_core.operations import (
+    AnswerQuestion,
+    BeginTraining,
+    Command,
+    DeleteExamples,
+    Distribute,
+    Perform,
+    RetimeExamples,
+    SaveBehavior,
+    TakeOver,
+    Test,
+    Undo,
+)
 from hitab_ros import names, qos
 from hitab_world import Placement
 
@@ -99,7 +111,7 @@ class TopicPupil:
         self._path = [*event.automaton[1:], event.to_state]
 
     def _sight(self, *, ended: bool = False) -> Sight:
-        answer = self._agents.ask(PUPIL, ReadFeatures, names.READ_FEATURES, also=list(VISIBLE))
+        answer = self._agents.read_features(PUPIL, VISIBLE)
         values = {r.feature: r.value for r in answer.readings if not r.automaton}
         done = [r.value for r in answer.readings if r.automaton and r.feature == DONE]
         values[DONE] = done[0] if done else 0.0
@@ -109,20 +121,22 @@ class TopicPupil:
 
     def begin(self, plan: Plan, *, resume: bool = False) -> None:
         """Begin to train an automaton, or resume its training."""
-        self._agents.begin(
+        self._agents.do(
             PUPIL,
-            plan.name,
-            features=list(plan.features),
-            states=list(plan.states),
-            classifier=learner(),
-            resume=plan.name if resume else "",
+            BeginTraining(
+                plan.name,
+                features=list(plan.features),
+                states=list(plan.states),
+                classifier=learner(),
+                resume=plan.name if resume else "",
+            ),
         )
         self._plan, self._path = plan.name, [START]
         self.examples()
 
     def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper; see `Pupil.command`."""
-        self._agents.command(PUPIL, state, pace=pace)
+        self._agents.do(PUPIL, Command(state, pace=pace))
         if self._path[0] != state:
             self._path = [state]
         examples = self.examples()
@@ -133,18 +147,18 @@ class TopicPupil:
 
     def test(self, *, restart: bool = False) -> None:
         """Let the keeper do what it has learned."""
-        self._agents.set_mode(PUPIL, "testing", restart=restart)
+        self._agents.do(PUPIL, Test(restart=restart))
         if restart:
             self._path = [START]
 
     def take_over(self) -> None:
         """Take control back."""
-        self._agents.set_mode(PUPIL, "training")
+        self._agents.do(PUPIL, TakeOver())
 
     def undo(self) -> None:
         """Undo the last command."""
         before = self.examples()
-        self._agents.undo(PUPIL)
+        self._agents.do(PUPIL, Undo())
         kept = {example.number for example in self.examples()}
         gone = [example for example in before if example.number not in kept]
         if gone:
@@ -152,12 +166,12 @@ class TopicPupil:
 
     def delete(self, numbers: Iterable[int]) -> None:
         """Delete examples."""
-        self._agents.delete(PUPIL, list(numbers))
+        self._agents.do(PUPIL, DeleteExamples(list(numbers)))
         self.examples()
 
     def retime(self, numbers: Iterable[int], ago: float) -> None:
         """Have commands been due so many seconds before they came."""
-        self._agents.retime(PUPIL, list(numbers), ago)
+        self._agents.do(PUPIL, RetimeExamples(list(numbers), ago))
 
     def examples(self) -> Sequence[Example]:
         """Return what has been recorded in this training, and note how much it holds."""
@@ -189,19 +203,19 @@ class TopicPupil:
     def answer(self, number: int, choice: str) -> None:
         """Answer a question; "": dismiss it."""
         before = len(self.examples())
-        self._agents.answer(PUPIL, number, choice, dismiss=not choice)
+        self._agents.do(PUPIL, AnswerQuestion(number, choice, dismiss=not choice))
         self.given += max(0, len(self.examples()) - before)
 
     # -- the team ---------------------------------------------------------------------------
 
     def save(self, *, keep_unused: bool = False) -> None:
         """Save what was trained and give it to the teammates."""
-        self._agents.save(PUPIL, keep_unused=keep_unused)
-        told = self._agents.distribute(PUPIL, self._plan)
+        self._agents.do(PUPIL, SaveBehavior(keep_unused=keep_unused))
+        told = self._agents.distribute(PUPIL, Distribute(self._plan))
         if missed := [*told.refused.values(), *told.silent]:
             raise SwarmError(f"not all have it: {some(missed)}")
 
     def perform(self, behavior: str) -> None:
         """Have the teammates perform a behavior; "": nothing."""
         for mate in MATES:
-            self._agents.perform(mate, behavior)
+            self._agents.do(mate, Perform(behavior))

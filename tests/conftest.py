@@ -17,6 +17,7 @@ from hitab_bringup.processes import supervision
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import SwarmError, domain_ids
 from hitab_client.run_folder import libraries_of, running_swarms
+from hitab_core.operations import DiscardTraining, LoadLibrary, Perform
 
 PARAMETERS = {"taker_speed": 0.25}
 SECONDS = 60.0
@@ -61,14 +62,14 @@ def begin_anew(running: RunningSwarm) -> None:
     for name, library in libraries_of(running.folder.path).items():
         agents.await_agent(name, SECONDS)
         try:
-            agents.discard(name)
+            agents.do(name, DiscardTraining())
         except SwarmError as refused:
             if "no training to discard" not in str(refused):
                 raise
-        agents.perform(name, "")
+        agents.do(name, Perform())
         shutil.rmtree(library)
         library.mkdir()
-        agents.load_library(name)
+        agents.do(name, LoadLibrary())
     world.control("pace", pace="lockstep", factor=1.0)
     world.control("pause")
     for name in world.snapshot("list").names:

@@ -26,6 +26,7 @@ from sensor_msgs.msg import LaserScan
 from hitab_client import RosLink, SwarmClient, SwarmError
 from hitab_client.domain_ids import reserved
 from hitab_client.stops import Stops
+from hitab_core.operations import DiscardTraining, Perform
 from hitab_ros import EmergencySwitch, qos
 from hitab_ros.stamps import seconds_of
 
@@ -120,7 +121,7 @@ class Desk:
 
     def perform(self, behavior: str) -> None:
         """Have the robot move."""
-        self.agents.perform(ROBOT, behavior)
+        self.agents.do(ROBOT, Perform(behavior))
         self.until(lambda: not self.moves())
 
     def arm(self) -> None:
@@ -138,8 +139,8 @@ class Desk:
         """Have everything as it was at first: armed, at rest, and nothing is trained."""
         self.switch.set(False, "the test")
         with contextlib.suppress(SwarmError):  # nothing is trained
-            self.agents.discard(ROBOT)
-        self.agents.perform(ROBOT, "")
+            self.agents.do(ROBOT, DiscardTraining())
+        self.agents.do(ROBOT, Perform())
         self.until(self.moves)
         self.arm()
         self.until(lambda: not self.status.faults)

@@ -6,6 +6,15 @@ from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import Fix
+from hitab_core.operations import (
+    BeginTraining,
+    Command,
+    LoadLibrary,
+    Perform,
+    SaveBehavior,
+    TakeOver,
+    Test,
+)
 
 AGENT = "keeper_1"
 
@@ -13,8 +22,8 @@ AGENT = "keeper_1"
 @pytest.fixture(scope="module")
 def training(keepers):
     """The swarm, with keeper_1 training; what is refused must not change it."""
-    keepers.agents.begin(AGENT, "Near", features=["DistanceTo(ball)"])
-    keepers.agents.command(AGENT, "GoFast")
+    keepers.agents.do(AGENT, BeginTraining("Near", features=["DistanceTo(ball)"]))
+    keepers.agents.do(AGENT, Command("GoFast"))
     return keepers
 
 
@@ -28,12 +37,12 @@ COMMANDS = [
 def test_a_wrong_command_is_refused_in_the_status(training):
     for command, expected in COMMANDS:
         with pytest.raises(SwarmError) as error:
-            training.agents.command(AGENT, *command)
+            training.agents.do(AGENT, Command(*command))
         assert expected in str(error.value)
         status = training.agents.statuses[AGENT]
         assert expected in status.last_error
         assert status.last_refused_sequence > status.last_command_sequence
-        assert status.examples == 2
+        assert status.training.examples == 2
 
 
 BEGINNINGS = [
@@ -67,19 +76,19 @@ def test_a_wrong_training_is_refused_in_the_reply_and_the_status(training):
 
 def test_commands_in_the_wrong_mode_are_refused(training):
     agents = training.agents
-    agents.set_mode(AGENT, "testing", restart=True)
+    agents.do(AGENT, Test(restart=True))
     try:
         with pytest.raises(SwarmError, match='"Near" is being tested') as refused:
-            agents.command(AGENT, "GoFast")
+            agents.do(AGENT, Command("GoFast"))
         assert refused.value.remedies == (Fix.RESUME(agent=AGENT),)
     finally:
-        agents.set_mode(AGENT, "training")
+        agents.do(AGENT, TakeOver())
     with pytest.raises(SwarmError, match="keeper_2: it is not training anything"):
-        agents.command("keeper_2", "GoFast")
+        agents.do("keeper_2", Command("GoFast"))
     with pytest.raises(SwarmError, match="is not training anything"):
-        agents.save("keeper_2")
+        agents.do("keeper_2", SaveBehavior())
     with pytest.raises(SwarmError, match="is not training anything"):
-        agents.set_mode("keeper_2", "testing")
+        agents.do("keeper_2", Test())
     with pytest.raises(SwarmError, match='unknown mode "resting"'):
         agents.set_mode(AGENT, "resting")
 
@@ -90,14 +99,14 @@ def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
     with pytest.raises(
         SwarmError, match=r"cannot be used: Bad\.hfa\.yaml:1: has format version 99"
     ):
-        agents.load_library("keeper_2", str(tmp_path))
+        agents.do("keeper_2", LoadLibrary(str(tmp_path)))
     for folder in ("nowhere", "~nobody/library", str(tmp_path / "Bad.hfa.yaml")):
         with pytest.raises(SwarmError, match="is not a folder"):
-            agents.load_library("keeper_2", folder)
+            agents.do("keeper_2", LoadLibrary(folder))
     with pytest.raises(SwarmError, match=r"but no behaviors .* give the path of a library"):
-        agents.load_library("keeper_2", "/")  # what is saved next would be written there
+        agents.do("keeper_2", LoadLibrary("/"))  # what is saved next would be written there
     with pytest.raises(SwarmError, match='unknown behavior "Dance"'):
-        agents.perform("keeper_2", "Dance")
+        agents.do("keeper_2", Perform("Dance"))
     with pytest.raises(SwarmError, match='"Dance"'):
         agents.distribute("keeper_2", "Dance")
     assert agents.statuses["keeper_2"].mode == "idle"
@@ -121,14 +130,14 @@ def test_the_world_refuses_what_cannot_be(training):
 
 def test_nothing_was_lost_by_all_that(training):
     assert len(training.agents.training(AGENT).examples) == 2
-    assert training.agents.command(AGENT, "Stop").examples == 4
+    assert training.agents.do(AGENT, Command("Stop")).examples == 4
 
 
 def test_clients_take_no_other_swarms_robots_for_their_own(training):
     mine, other = "mine-00000000", training.record.identity
     agents = SwarmClient(training.link, (AGENT,), identity=mine)
     with pytest.raises(SwarmError, match=f"{AGENT} belongs to swarm {other}, not to swarm {mine}"):
-        agents.begin(AGENT, "Stolen", features=["Done"])
+        agents.do(AGENT, BeginTraining("Stolen", features=["Done"]))
     with pytest.raises(SwarmError, match=f"{other}, not to swarm {mine}"):
         WorldClient(training.link, identity=mine).control("resume")
     assert training.agents.await_agent(AGENT).behavior == "Near"

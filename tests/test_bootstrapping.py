@@ -14,6 +14,7 @@ from hitab_client.bootstrapping import (
     read_generations,
 )
 from hitab_client.run_folder import libraries_of
+from hitab_core.operations import BeginTraining, Command, DiscardTraining, Perform
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 QUICK = {"episodes": 2, "seed": 5}
@@ -26,10 +27,12 @@ def team(keepers):
     agents = keepers.agents
     shutil.rmtree(keepers.folder.path / "generations", ignore_errors=True)
     for mate in (TWO, THREE):
-        agents.perform(mate, "")
+        agents.do(mate, Perform())
     keepers.world.step()  # so that no example is from the same cycle as one before
-    agents.begin(ONE, "Run", features=["DistanceTo(ball)", "BallIsKickable"], discard=True)
-    agents.command(ONE, "GoFast")
+    agents.do(
+        ONE, BeginTraining("Run", features=["DistanceTo(ball)", "BallIsKickable"], discard=True)
+    )
+    agents.do(ONE, Command("GoFast"))
     return keepers
 
 
@@ -69,7 +72,7 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert (status.mode, status.episodes_left) == ("paused", 0)
     assert places(team) == before, "the evaluation leaves the field as it was arranged"
 
-    team.agents.command(ONE, "Stop")
+    team.agents.do(ONE, Command("Stop"))
     child = steps(team, **QUICK).next(ONE)
     assert child.version == made.version + 1
     again = steps(team, **QUICK).next(ONE)
@@ -77,21 +80,25 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
 
 
 def test_the_training_of_a_teammate_waits_while_it_performs_the_generation(team):
-    team.agents.begin(TWO, "Sit", features=["DistanceTo(ball)"])
+    team.agents.do(TWO, BeginTraining("Sit", features=["DistanceTo(ball)"]))
     steps(team, **NONE).next(ONE)
     status = team.agents.statuses[TWO]
-    assert (status.mode, status.behavior, status.training) == ("performing", "Run", "Sit")
-    team.agents.discard(TWO)
+    assert (status.mode, status.behavior, status.training.automaton) == (
+        "performing",
+        "Run",
+        "Sit",
+    )
+    team.agents.do(TWO, DiscardTraining())
 
 
 def test_one_goes_back_to_a_generation_with_the_team(team):
     first = steps(team, world=None).next(ONE)
     assert first.score.episodes == 0, "there is no world to play in"
     rules = digests(team)
-    team.agents.command(ONE, "Stop")
+    team.agents.do(ONE, Command("Stop"))
     last = steps(team, **NONE).next(ONE)
     assert digests(team) != rules
-    team.agents.command(ONE, "GoSlow")
+    team.agents.do(ONE, Command("GoSlow"))
     with pytest.raises(SwarmError, match=r"1 change to its training .*--discard"):
         steps(team).back(ONE, "Run", first.version)
     with pytest.raises(LessonError, match="--wait"):

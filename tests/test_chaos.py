@@ -13,6 +13,7 @@ import pytest
 from hitab_bringup import RunningSwarm, parse_swarm, temporary_swarm
 from hitab_client import SwarmError
 from hitab_client.run_processes import process_states
+from hitab_core.operations import Perform
 
 KILLS, SEED = 20, 1
 SECONDS = 60.0
@@ -82,18 +83,18 @@ def test_a_swarm_survives_being_killed_at_random(home: Path, tmp_path: Path) -> 
     choose, killed, acknowledged = random.Random(SEED), list[str](), 0
     with temporary_swarm(parse_swarm(SWARM, tmp_path / "chaos.yaml"), tmp_path / "run") as swarm:
         for order in MEANT:
-            swarm.agents.perform("chief", order)
+            swarm.agents.do("chief", Perform(order))
             until_all_obey(swarm, order)
         undisturbed = states(swarm)
         for _ in range(KILLS):
             killed.append(kill(swarm, choose))
             if choose.random() < 0.5 and "chief" not in killed[-2:]:
                 with contextlib.suppress(SwarmError):  # it may be obeyed although nobody answers
-                    swarm.agents.perform("chief", choose.choice(list(MEANT)))
+                    swarm.agents.do("chief", Perform(choose.choice(list(MEANT))))
                     acknowledged += 1
         while True:
             with contextlib.suppress(SwarmError):
-                swarm.agents.perform("chief", "Rest")
+                swarm.agents.do("chief", Perform("Rest"))
                 break
         assert acknowledged > 0
         until_all_obey(swarm, "Rest")

@@ -7,6 +7,14 @@ from waiting import hanging
 from hitab_client.errors import SwarmError
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.operations import (
+    BeginTraining,
+    Command,
+    RetimeExamples,
+    SaveBehavior,
+    TakeOver,
+    Test,
+)
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 BALL_AT = {"x": 0.0, "y": 0.0, "vx": 0.0, "vy": 0.0}
@@ -22,15 +30,15 @@ def put(swarm, distance: float) -> None:
 def teach_to_stop(swarm) -> None:
     """Teach keeper_1, in training, to run at the ball and to stop 2 s later."""
     put(swarm, 8.0)
-    swarm.agents.command(ONE, "GoFast")
+    swarm.agents.do(ONE, Command("GoFast"))
     swarm.world.step(20)
-    swarm.agents.command(ONE, "Stop")
+    swarm.agents.do(ONE, Command("Stop"))
 
 
 @pytest.fixture
 def begun(keepers):
     """The swarm, with keeper_1 in a new training."""
-    keepers.agents.begin(ONE, "Near", features=["DistanceTo(ball)"], discard=True)
+    keepers.agents.do(ONE, BeginTraining("Near", features=["DistanceTo(ball)"], discard=True))
     return keepers
 
 
@@ -38,19 +46,19 @@ def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun)
     """The robot runs at the ball; a person who wanted it to stop at once is 0.5 s late."""
     agents, world = begun.agents, begun.world
     put(begun, 8.0)
-    agents.command(ONE, "GoFast")
+    agents.do(ONE, Command("GoFast"))
     state = world.step(20)
     agents.command(ONE, "Stop", ago=0.5, seen=state.cycle)
     listed = agents.training(ONE)
     late = {e.number: e for e in listed.examples}
     assert late[3].cycle == state.cycle - 5
     assert late[3].ago == pytest.approx(0.5)
-    agents.retime(ONE, [3], 1.0)
+    agents.do(ONE, RetimeExamples([3], 1.0))
     later = agents.training(ONE)
     assert {e.cycle for e in later.examples if e.number in (3, 4)} == {state.cycle - 10}
     assert later.done[-1] == "example 3 due 1 s before its command"
     with pytest.raises(SwarmError, match=r"is too long ago: .*; give a number from 0 to"):
-        agents.retime(ONE, [3], 20.0)
+        agents.do(ONE, RetimeExamples([3], 20.0))
     with pytest.raises(SwarmError, match="cannot have been due -1 s ago"):
         agents.command(ONE, "Stop", ago=-1.0)
 
@@ -58,20 +66,20 @@ def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun)
 def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
     agents = begun.agents
     put(begun, 8.0)
-    agents.command(ONE, "GoFast")
+    agents.do(ONE, Command("GoFast"))
     put(begun, 2.0)
-    agents.command(ONE, "Stop")
-    agents.set_mode(ONE, "testing", restart=True)
+    agents.do(ONE, Command("Stop"))
+    agents.do(ONE, Test(restart=True))
     put(begun, 9.0)
     begun.world.step(3)
     assert begun.link.spin_until(lambda: list(agents.statuses[ONE].active_path) == ["GoFast"], 5)
-    agents.set_mode(ONE, "training")
+    agents.do(ONE, TakeOver())
     put(begun, 4.0)
-    agents.command(ONE, "GoSlow")
+    agents.do(ONE, Command("GoSlow"))
     kinds = [e.kind for e in agents.training(ONE).examples]
     assert kinds.count(Example.CORRECTION) == 1
 
-    saved = agents.save(ONE, description="stop near the ball")
+    saved = agents.do(ONE, SaveBehavior(description="stop near the ball"))
     library = BehaviorLibrary(saved.path.rsplit("/", 1)[0], load_domain("keepaway"))
     assert len(library.load()["Near"].examples) == 6
     report = agents.distribute(ONE, "Near", start=True)
@@ -112,8 +120,8 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
 
 
 def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
-    begun.agents.begin(ONE, "Fresh", features=["DistanceTo(ball)"], discard=True)
-    begun.agents.command(ONE, "GoFast")
+    begun.agents.do(ONE, BeginTraining("Fresh", features=["DistanceTo(ball)"], discard=True))
+    begun.agents.do(ONE, Command("GoFast"))
     for verb in ("distribute", "perform"):
         refused = hitab(verb, ONE, "Fresh")
         assert refused.returncode == 1
@@ -145,15 +153,15 @@ def test_an_agent_that_is_unsure_halts_says_why_and_goes_on_when_it_is_sure(begu
     assert "when it is farther than 1.5 from any example: halt" in told.stdout, told.stderr
     put(begun, 8.0)
     world.step(2)
-    assert not agents.statuses[ONE].unsure
+    assert not agents.statuses[ONE].caution.unsure
     put(begun, 40.0)
     place = x_of(world.step(3))
-    assert begun.link.spin_until(lambda: "nearest one" in agents.statuses[ONE].unsure, 10)
+    assert begun.link.spin_until(lambda: "nearest one" in agents.statuses[ONE].caution.unsure, 10)
     assert x_of(world.step(5)) == pytest.approx(place, abs=0.3)
     assert "unsure: Near" in hitab("status").stdout
     put(begun, 8.0)
     world.step(2)
-    assert begun.link.spin_until(lambda: not agents.statuses[ONE].unsure, 10)
+    assert begun.link.spin_until(lambda: not agents.statuses[ONE].caution.unsure, 10)
     refused = hitab("test", ONE, "--when-unsure", "halt")
     assert "needs to know when an agent is unsure" in refused.stderr
     assert hitab("test", ONE, "--when-unsure", "go_on").returncode == 0

@@ -18,6 +18,8 @@ import pytest
 from robot_desk import ROBOT, Desk
 from sensor_msgs.msg import Joy
 
+from hitab_core.operations import BeginTraining
+
 UP, LEFT = b"\x1b[A", b"\x1b[D"
 KEYS = {"Forward": b"1", "Stop": b"2", "TurnLeft": b"3"}
 LB, A, RB, GUIDE = 4, 0, 5, 8  # of the mapping xbox
@@ -39,7 +41,7 @@ def training(desk: Desk) -> Desk:
     """The robot at rest, in a new training."""
     relay = f"/{ROBOT}/cmd_vel_teleop"
     desk.until(lambda: desk.link.node.count_subscribers(relay) > 0)
-    desk.agents.begin(ROBOT, "Wander", features=["RangeAhead"])
+    desk.agents.do(ROBOT, BeginTraining("Wander", features=["RangeAhead"]))
     return desk
 
 
@@ -123,7 +125,7 @@ def test_keys_train_a_robot_and_drive_it_and_stop_it(desk, terminal):
     terminal.sees('training "Wander": 4 examples (2 default); performs TurnLeft')
     terminal.press(b"u")
     terminal.sees("2 examples")
-    terminal.until(lambda: desk.status.examples == 2 and desk.moves(0.5))
+    terminal.until(lambda: desk.status.training.examples == 2 and desk.moves(0.5))
     terminal.press(b"z")
     terminal.sees('nothing is on the key "z"')
 

@@ -24,7 +24,9 @@ def test_three_processes_in_lockstep_play_what_one_plays(home):
         assert running.world.wait().missed_deadlines == 0
     inprocess = played(swarm, 4)
     assert [one.seconds for one in inprocess] == [one.seconds for one in lockstep]
-    assert [one.measures["passes"] for one in inprocess] == [one.measures[0] for one in lockstep]
+    assert [one.measures["passes"] for one in inprocess] == [
+        one.measures[0].value for one in lockstep
+    ]
     assert [one.ended for one in inprocess] == [one.ended for one in lockstep]
     other = played(swarm.with_world(seed=6), 4)
     assert [one.seconds for one in other] != [one.seconds for one in inprocess]

@@ -25,6 +25,7 @@ from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
+from hitab_core.operations import Perform
 from hitab_ros import EmergencySwitch
 from hitab_ros.fault_texts import STOPPED
 
@@ -151,7 +152,7 @@ def let_go(running: RunningSwarm, agents: list[str]) -> None:
     assert running.link.spin_until(released, SECONDS, 0.2)
     for agent in agents:
         running.agents.await_agent(agent, SECONDS)  # its backlog may be long
-        running.agents.set_mode(agent, "idle")
+        running.agents.do(agent, Perform())
     running.world.control("pace", pace="lockstep")
     running.world.control("resume")
 
@@ -201,12 +202,12 @@ def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
     with fuzzed(FORAGING, tmp_path, 1, seconds) as running:
         # What is in force already is not ordered again: first something else on each level.
         for order in ("Rest", "Explore"):
-            running.agents.perform("chief", order)
+            running.agents.do("chief", Perform(order))
         assert running.link.spin_until(lambda: behaviors(running, "squad") == {order}, SECONDS), (
             doing(running)
         )
         for order, meant in (("Rest", "Stop"), ("Explore", "Forward"), ("Rest", "Stop")):
-            running.agents.perform("chief", order)
+            running.agents.do("chief", Perform(order))
             assert running.link.spin_until(
                 lambda meant=meant: behaviors(running, "forager") == {meant}, SECONDS
             ), doing(running)
@@ -254,5 +255,5 @@ def test_what_large_messages_take_is_given_back_and_the_swarm_goes_on(home: Path
 
         assert goes_on(running)
         assert within(SECONDS, lambda: max(grown().values()) < LARGE), grown()
-        running.agents.perform("squad", "Rest")
+        running.agents.do("squad", Perform("Rest"))
         assert running.link.spin_until(lambda: behaviors(running, "forager") == {"Stop"}, SECONDS)

@@ -6,6 +6,8 @@ import signal
 from hitab_msgs.srv import EditExamples
 from waiting import pid_of
 
+from hitab_core.operations import BeginTraining, Command, SaveBehavior, Test, Undo
+
 AGENT = "keeper_1"
 FIRST = 1_000_000  # number of a command
 RESTART_SECONDS = 60
@@ -17,12 +19,12 @@ def told(example):
 
 def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     agents, link = keepers.agents, keepers.link
-    agents.begin(AGENT, "Near", features=["DistanceTo(ball)"])
+    agents.do(AGENT, BeginTraining("Near", features=["DistanceTo(ball)"]))
     for number, behavior in enumerate(("GoFast", "GoSlow", "Stop", "Pass"), FIRST):
         status = agents.command(AGENT, behavior, sequence=number)
         keepers.world.step()
-    assert status.examples == 7
-    agents.undo(AGENT)
+    assert status.training.examples == 7
+    agents.do(AGENT, Undo())
     before = agents.training(AGENT).examples
     assert len(before) == 6
 
@@ -40,16 +42,16 @@ def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     assert again.examples == 6
     # And it goes on as if nothing had happened.
     keepers.world.step()
-    assert agents.command(AGENT, "GoFast").examples == 8
-    agents.set_mode(AGENT, "testing", restart=True)
-    agents.save(AGENT)
+    assert agents.do(AGENT, Command("GoFast")).examples == 8
+    agents.do(AGENT, Test(restart=True))
+    agents.do(AGENT, SaveBehavior())
 
 
 def test_an_edit_whose_answer_was_lost_in_a_crash_is_not_made_twice(keepers):
     agents, link = keepers.agents, keepers.link
-    agents.begin(AGENT, "Near", features=["DistanceTo(ball)"], discard=True)
+    agents.do(AGENT, BeginTraining("Near", features=["DistanceTo(ball)"], discard=True))
     for behavior in ("GoFast", "GoSlow", "Stop"):
-        agents.command(AGENT, behavior)
+        agents.do(AGENT, Command(behavior))
 
     def undo() -> None:
         request = EditExamples.Request(action=EditExamples.Request.UNDO, request=7, client="me")
@@ -64,5 +66,5 @@ def test_an_edit_whose_answer_was_lost_in_a_crash_is_not_made_twice(keepers):
     assert link.spin_until(lambda: AGENT in agents.statuses, RESTART_SECONDS, 0.2)
     undo()
     assert agents.training(AGENT).examples == before
-    agents.undo(AGENT)
+    agents.do(AGENT, Undo())
     assert len(agents.training(AGENT).examples) < len(before)

@@ -9,6 +9,7 @@ import pytest
 from hitab_client.errors import LessonError
 from hitab_client.lessons.lesson import parse_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_core.operations import BeginTraining, DiscardTraining, Perform
 
 STOP = """\
 lesson: Stand
@@ -32,9 +33,9 @@ def lesson_file(folder, steps: str) -> str:
 
 
 def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path):
-    keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
-    keepers.agents.discard("keeper_1")
-    keepers.agents.perform("keeper_2", "")
+    keepers.agents.do("keeper_1", BeginTraining("Other", features=["Done"], discard=True))
+    keepers.agents.do("keeper_1", DiscardTraining())
+    keepers.agents.do("keeper_2", Perform())
     agents = keepers.agents
     assert keepers.link.spin_until(lambda: not agents.statuses["keeper_2"].behavior, 30)
     mate = "  - {perform: GoFast, agents: [keeper_2]}\n"
@@ -46,7 +47,9 @@ def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path)
         text=True,
     )
     assert keepers.link.spin_until(lambda: agents.statuses["keeper_2"].behavior == "GoFast", 30)
-    taught = keepers.link.spin_until(lambda: agents.statuses["keeper_1"].examples == 2, 30)
+    taught = keepers.link.spin_until(
+        lambda: agents.statuses["keeper_1"].training.examples == 2, 30
+    )
     command.send_signal(signal.SIGINT)
     _, told = command.communicate(timeout=30)
     assert taught, told
@@ -62,7 +65,7 @@ def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path)
 def test_a_lesson_that_fails_says_what_it_leaves_and_discards_it_when_asked_to(
     keepers, hitab, tmp_path
 ):
-    keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
+    keepers.agents.do("keeper_1", BeginTraining("Other", features=["Done"], discard=True))
     failed = hitab("lesson", "run", lesson_file(tmp_path, "  - never: {seconds: 0.2}\n"))
     assert failed.returncode == 1
     assert "this should not happen" in failed.stderr
@@ -89,7 +92,7 @@ def test_a_lesson_that_fails_says_what_it_leaves_and_discards_it_when_asked_to(
     ],
 )
 def test_what_goes_wrong_is_told_by_file_line_and_step(keepers, tmp_path, steps, line, expected):
-    keepers.agents.begin("keeper_1", "Other", features=["Done"], discard=True)
+    keepers.agents.do("keeper_1", BeginTraining("Other", features=["Done"], discard=True))
     path = tmp_path / "stand.yaml"
     with pytest.raises(LessonError) as error:
         play(keepers, STOP + steps, path)

@@ -81,7 +81,9 @@ def over_topics(swarm: SwarmDescription, folder: Path) -> Run:
     assert status.reproducible
     assert all(episode.reproducible for episode in episodes)
     return Run(
-        tuple((e.number, e.seed, e.cycles, e.ended, *e.measures) for e in episodes),
+        tuple(
+            (e.number, e.seed, e.cycles, e.ended, *(m.value for m in e.measures)) for e in episodes
+        ),
         places(state.entities),
     )
 

@@ -8,6 +8,7 @@ import pytest
 
 from hitab_client import RosLink, SwarmClient
 from hitab_client.run_folder import running_swarms
+from hitab_core.operations import BeginTraining, Command, SaveBehavior
 
 SOCCER = """\
 swarm: soccer
@@ -36,10 +37,10 @@ def train(name: str) -> None:
     ((_, record),) = running_swarms()
     with RosLink(record.domain_id) as link:
         agents = SwarmClient(link, record.agents, identity=record.identity)
-        agents.begin("keeper_1", name, features=["Done"])
-        agents.command("keeper_1", "Stop")
-        agents.command("keeper_1", "GoFast")
-        agents.save("keeper_1")
+        agents.do("keeper_1", BeginTraining(name, features=["Done"]))
+        agents.do("keeper_1", Command("Stop"))
+        agents.do("keeper_1", Command("GoFast"))
+        agents.do("keeper_1", SaveBehavior())
 
 
 def status(hitab: Callable) -> dict[str, dict]:

@@ -14,6 +14,7 @@ from robot_desk import DOMAIN, EXAMPLE, ROBOT, Desk, desk_with, is_still
 
 from hitab_client import SwarmError
 from hitab_core import BehaviorLibrary, load_domain
+from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior, Test
 from hitab_robots.velocity_relay import SILENT_S
 
 BROKEN = """
@@ -33,27 +34,31 @@ HULL = 0.2  # m
 def obeys(desk: Desk, behavior: str) -> bool:
     """Whether a command is taken: it is refused until the agent has heard of all its sensors."""
     try:
-        desk.agents.command(ROBOT, behavior)
+        desk.agents.do(ROBOT, Command(behavior))
     except SwarmError:
         return False
     return True
 
 
 def test_a_trained_robot_wanders_about_and_bumps_into_nothing(desk, monkeypatch):
-    desk.agents.begin(ROBOT, "Wander", features=["RangeAhead"], states=["Forward", "TurnLeft"])
+    desk.agents.do(
+        ROBOT, BeginTraining("Wander", features=["RangeAhead"], states=["Forward", "TurnLeft"])
+    )
     desk.until(lambda: obeys(desk, "Forward"))
     desk.until(lambda: desk.free_ahead < 1.0)
-    desk.agents.command(ROBOT, "TurnLeft")
+    desk.agents.do(ROBOT, Command("TurnLeft"))
     desk.until(lambda: desk.free_ahead > 1.8)
-    desk.agents.command(ROBOT, "Forward")
-    assert desk.agents.set_mode(ROBOT, "testing").success
+    desk.agents.do(ROBOT, Command("Forward"))
+    assert desk.agents.do(ROBOT, Test()).success
     desk.changes.clear()
     desk.until(lambda: desk.changes.count(("TurnLeft", "Forward")) >= 2)
     assert desk.changes[0] == ("Forward", "TurnLeft")
     assert desk.nearest > HULL
     assert desk.status.last_error == ""
 
-    saved = desk.agents.save(ROBOT, description="Drive about, turning left before what is near.")
+    saved = desk.agents.do(
+        ROBOT, SaveBehavior(description="Drive about, turning left before what is near.")
+    )
     monkeypatch.syspath_prepend(str(EXAMPLE))
     wander = BehaviorLibrary(Path(saved.path).parent, load_domain(DOMAIN)).load()["Wander"]
     assert wander.labels == ("Forward", "TurnLeft")
@@ -61,13 +66,13 @@ def test_a_trained_robot_wanders_about_and_bumps_into_nothing(desk, monkeypatch)
     # What was tested goes on.
     desk.changes.clear()
     desk.until(lambda: len(desk.changes) > 0)
-    desk.agents.perform(ROBOT, "")
+    desk.agents.do(ROBOT, Perform())
     desk.until(desk.moves)
 
 
 def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(desk):
     no_value = 'feature "RangeAhead" has no value'
-    desk.agents.begin(ROBOT, "Turn", features=["RangeAhead"])
+    desk.agents.do(ROBOT, BeginTraining("Turn", features=["RangeAhead"]))
     for commanded_to_stop in (True, False):
         desk.until(lambda: obeys(desk, "TurnLeft"))
         desk.until(lambda: not desk.moves())
@@ -76,7 +81,7 @@ def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(
         desk.until(desk.moves)
         assert list(desk.status.active_path) == ["Start"]
         with pytest.raises(SwarmError, match=no_value):
-            desk.agents.command(ROBOT, "TurnRight")
+            desk.agents.do(ROBOT, Command("TurnRight"))
         if commanded_to_stop:
             said = desk.hitab("demonstrate", ROBOT, "Stop")
             why = f"{ROBOT} stands still, but Stop was not recorded: {no_value}"
@@ -90,7 +95,7 @@ def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(
         desk.until_later(2.0)
         assert all(map(is_still, desk.velocities))
         assert desk.status.note.startswith("stands still")
-    desk.agents.command(ROBOT, "TurnLeft")
+    desk.agents.do(ROBOT, Command("TurnLeft"))
     desk.until(lambda: not desk.moves())
     assert not desk.status.note
 
@@ -184,7 +189,7 @@ def test_what_stands_for_nav2_drives_through_the_relay_as_the_page_says(desk):
 
 def test_whoever_drives_a_robot_that_performs_nothing_is_not_disturbed(desk):
     desk.perform("TurnLeft")
-    desk.agents.perform(ROBOT, "")
+    desk.agents.do(ROBOT, Perform())
     desk.until(desk.moves)
     quiet = time.monotonic()
 
@@ -222,11 +227,11 @@ def test_the_robot_stands_still_when_its_agent_is_killed_but_not_for_lost_datagr
 def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(home, tmp_path):
     (tmp_path / "broken.py").write_text(BROKEN)
     with desk_with(tmp_path, "broken:DOMAIN") as desk:
-        desk.agents.begin(ROBOT, "Wander", features=["Bumped"])
+        desk.agents.do(ROBOT, BeginTraining("Wander", features=["Bumped"]))
         desk.await_value("Bumped")
-        desk.agents.begin(ROBOT, "Wander", features=["RangeAhead"])
+        desk.agents.do(ROBOT, BeginTraining("Wander", features=["RangeAhead"]))
         with pytest.raises(SwarmError, match=r"ZeroDivisionError in broken\.py:6: division by"):
-            desk.agents.command(ROBOT, "Forward")
-        desk.agents.begin(ROBOT, "Wander", features=["Bumped"])
+            desk.agents.do(ROBOT, Command("Forward"))
+        desk.agents.do(ROBOT, BeginTraining("Wander", features=["Bumped"]))
         desk.await_value("Bumped")
-        assert desk.agents.command(ROBOT, "Stop").examples == 2
+        assert desk.agents.do(ROBOT, Command("Stop")).examples == 2

@@ -13,6 +13,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from hitab_client import domain_ids
 from hitab_client.ros_link import RosLink
+from hitab_core.operations import BeginTraining, Command
 from hitab_ros.answering import answering
 
 
@@ -85,9 +86,9 @@ def sent_twice(link: RosLink, kind: type, service: str, **fields):
 
 
 def test_an_agent_undoes_once_what_it_is_asked_twice_to_undo(keepers):
-    keepers.agents.begin("keeper_1", "Twice", features=["Done"], discard=True)
+    keepers.agents.do("keeper_1", BeginTraining("Twice", features=["Done"], discard=True))
     for behavior in ("GoFast", "GoSlow", "Stop"):
-        keepers.agents.command("keeper_1", behavior)
+        keepers.agents.do("keeper_1", Command(behavior))
     before = len(keepers.agents.training("keeper_1").examples)
     answers = sent_twice(
         keepers.link, EditExamples, "/keeper_1/edit_examples", action=EditExamples.Request.UNDO

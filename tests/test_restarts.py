@@ -13,6 +13,7 @@ from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import dds_profile
+from hitab_core.operations import Perform
 
 SECONDS = 60.0
 AGENT = "keeper_1"
@@ -49,12 +50,12 @@ def swarm(home: Path, tmp_path: Path) -> Iterator[RunningSwarm]:
 
 def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> None:
     """Without a memory it would come back idle, since nobody has ordered it."""
-    swarm.agents.perform(AGENT, "GoFast")
+    swarm.agents.do(AGENT, Perform("GoFast"))
     kill_and_await(swarm, AGENT)
     status = swarm.agents.statuses[AGENT]
     assert (status.mode, status.behavior) == ("performing", "GoFast")
 
-    swarm.agents.set_mode(AGENT, "idle")
+    swarm.agents.do(AGENT, Perform())
     kill_and_await(swarm, AGENT)
     assert swarm.agents.statuses[AGENT].mode == "idle"
 
@@ -118,14 +119,14 @@ def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path
                 running.world.snapshot("restore", "five")
                 assert running.world.step(1).cycle == 6
             assert running.agents.statuses[AGENT].mode == "idle"
-            running.agents.perform(AGENT, "GoFast")
+            running.agents.do(AGENT, Perform("GoFast"))
             running.world.step(5)
             running.world.snapshot("save", "five")
 
 
 def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm) -> None:
     """They are ignored, and the logs say so."""
-    swarm.agents.perform(AGENT, "GoFast")
+    swarm.agents.do(AGENT, Perform("GoFast"))
     swarm.world.step(3)
     state = swarm.folder.path / "state"
     memories = {
@@ -150,12 +151,12 @@ def test_a_process_that_was_suspended_until_it_was_forgotten_starts_again(
     """Otherwise those who have forgotten it may not find all of it again, for good."""
     monkeypatch.setattr(dds_profile, "SHORTEST_LEASE_S", 3.0)
     with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as swarm:
-        swarm.agents.perform(AGENT, "GoFast")
+        swarm.agents.do(AGENT, Perform("GoFast"))
         node = swarm.link.node
         with hanging(swarm, name) as pid:
             until(swarm, lambda: node.count_publishers(f"/{name}/status") == 0)
         until(swarm, lambda: pid_of(swarm, name) not in (0, pid))
         until(swarm, lambda: node.count_publishers(f"/{name}/status") == 1)
         swarm.world.step(5)
-        swarm.agents.perform(AGENT, "")
+        swarm.agents.do(AGENT, Perform())
         assert "was suspended for" in swarm.folder.log(name).read_text()

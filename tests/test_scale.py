@@ -11,6 +11,7 @@ from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
 from hitab_client.shipped import shipped
+from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior, Test
 
 AGENTS = 60
 SECONDS = 60.0
@@ -54,7 +55,7 @@ def performed(swarm: RunningSwarm) -> set[str]:
 def test_an_order_at_the_root_reaches_every_agent(swarm: RunningSwarm) -> None:
     assert len(swarm.agents.statuses) == AGENTS + 12 + 3 + 1
     for order in ("RotateLeft", "Stop", "Search"):
-        swarm.agents.perform("root", order)
+        swarm.agents.do("root", Perform(order))
         assert swarm.link.spin_until(lambda order=order: performed(swarm) == {order}, SECONDS)
 
 
@@ -68,24 +69,24 @@ def test_each_agent_is_a_node_with_topics_and_services_of_its_own(swarm: Running
     assert {f"/forager_{i + 1}/agent" for i in range(AGENTS)} <= nodes
     # They are made when the first client asks.
     assert "/forager_60/perform" not in services()
-    swarm.agents.perform("forager_60", "Forward")
+    swarm.agents.do("forager_60", Perform("Forward"))
     assert "/forager_60/save" in services()
     assert "/forager_59/save" not in services()
     assert swarm.link.spin_until(lambda: "Forward" in performed(swarm), SECONDS)
     assert "RotateLeft" in [b.name for b in swarm.agents.vocabulary("forager_60").behaviors]
     with pytest.raises(SwarmError, match="unknown behavior"):
-        swarm.agents.perform("forager_59", "Fly")
+        swarm.agents.do("forager_59", Perform("Fly"))
 
 
 def test_one_hosted_agent_is_trained_while_the_others_go_on(swarm: RunningSwarm) -> None:
-    swarm.agents.perform("root", "RotateLeft")
+    swarm.agents.do("root", Perform("RotateLeft"))
     assert swarm.link.spin_until(lambda: performed(swarm) == {"RotateLeft"}, SECONDS)
-    swarm.agents.begin("forager_7", "Stroll", features=["HoldsABox"])
-    assert swarm.agents.command("forager_7", "Forward").examples == 2
-    swarm.agents.set_mode("forager_7", "testing", restart=True)
+    swarm.agents.do("forager_7", BeginTraining("Stroll", features=["HoldsABox"]))
+    assert swarm.agents.do("forager_7", Command("Forward")).examples == 2
+    swarm.agents.do("forager_7", Test(restart=True))
     assert swarm.link.spin_until(
         lambda: list(swarm.agents.statuses["forager_7"].active_path) == ["Forward"], SECONDS
     )
-    swarm.agents.save("forager_7")
-    swarm.agents.perform("forager_7", "RotateLeft")
+    swarm.agents.do("forager_7", SaveBehavior())
+    swarm.agents.do("forager_7", Perform("RotateLeft"))
     assert swarm.link.spin_until(lambda: performed(swarm) == {"RotateLeft"}, SECONDS)

@@ -21,6 +21,7 @@ from hitab_client.recording import Recorder, driving_of, type_name
 from hitab_client.recording.bag_file import BagFile
 from hitab_core import BehaviorLibrary, Repertoire, TrainingError, VocabularyError
 from hitab_core.labeling import Strip
+from hitab_core.operations import LoadLibrary, Perform
 from hitab_world.inprocess import PolicyPlayer, cycle, perform
 from keepaway_world.domain import DOMAIN
 from keepaway_world.hand_written import servo
@@ -101,7 +102,7 @@ def test_what_a_keeper_does_becomes_a_behavior_that_it_performs(
         return f"/{ONE}" in recorder.perceiving and not recorder.awaited
 
     assert keepers.link.spin_until(heard, SECONDS)
-    agents.perform(ONE, "ServoBall")
+    agents.do(ONE, Perform("ServoBall"))
     places = {ONE: {"x": -6.0, "y": 1.0, "heading": 180.0}, "ball": {"x": 0.0, "y": 0.0}}
     world.shown(world.place({**places, "taker_1": {"x": 9.0}, "taker_2": {"x": 8.0}}))
     before = recorder.bag.count
@@ -109,7 +110,7 @@ def test_what_a_keeper_does_becomes_a_behavior_that_it_performs(
     assert keepers.link.spin_until(lambda: recorder.bag.count > before + 6 * 60, SECONDS)
     keepers.link.spin(0.5)
     recorder.close()
-    agents.perform(ONE, "")
+    agents.do(ONE, Perform())
 
     library = tmp_path / "library"
     words = [str(recorder.bag.path), "Copied", "-a", ONE, "-l", str(library), "--json", "-"]
@@ -119,8 +120,8 @@ def test_what_a_keeper_does_becomes_a_behavior_that_it_performs(
     assert spans[:2] == ["TurnToBall", "GoFast"]
     assert "Stop" in spans
     assert "0 moments unexplained" in shown.stderr
-    agents.load_library(ONE, str(library))
-    agents.perform(ONE, "Copied")
+    agents.do(ONE, LoadLibrary(str(library)))
+    agents.do(ONE, Perform("Copied"))
     assert agents.statuses[ONE].behavior == "Copied"
 
 

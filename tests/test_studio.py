@@ -14,6 +14,7 @@ from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browse
 from proxy import PATH, proxy
 
 from hitab_client.users import user_name
+from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior
 
 
 @needs_browser
@@ -88,7 +89,7 @@ def placements(person: Person) -> list[Any]:
 def test_a_double_click_commands_once_and_steps_twice(swarm, person):
     """Else each hasty click records an example that nobody meant to give."""
     away_from_everybody(swarm, 5.0)
-    swarm.agents.begin(ONE, "Hasty", features=["DistanceTo(ball)"], discard=True)
+    swarm.agents.do(ONE, BeginTraining("Hasty", features=["DistanceTo(ball)"], discard=True))
     person.click(f"agent-{ONE}")
     person.sees("mode", "Training")
     person.page.dblclick('[data-test="do-GoFast"]')
@@ -107,8 +108,8 @@ def test_the_target_of_a_behavior_is_given_by_clicking_it_in_the_field(swarm, pe
     away_from_everybody(swarm, 5.0)
     chase = {"features": ["DistanceTo(A)"], "parameters": ["A"], "arguments": ["closest_keeper"]}
     swarm.agents.begin(ONE, "Chase", discard=True, **chase)
-    swarm.agents.command(ONE, "GoFast")
-    swarm.agents.save(ONE)
+    swarm.agents.do(ONE, Command("GoFast"))
+    swarm.agents.do(ONE, SaveBehavior())
     person.click(f"agent-{ONE}")
     person.click("do-Chase(A)")
     person.sees("asking", "Chase")
@@ -125,7 +126,7 @@ def test_the_target_of_a_behavior_is_given_by_clicking_it_in_the_field(swarm, pe
 @needs_browser
 def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_changes(swarm, person):
     away_from_everybody(swarm, 5.0)
-    swarm.agents.begin(ONE, "Torn", features=["DistanceTo(ball)"], discard=True)
+    swarm.agents.do(ONE, BeginTraining("Torn", features=["DistanceTo(ball)"], discard=True))
     person.click(f"agent-{ONE}")
     for behavior in ("GoFast", "Stop", "GoFast", "GoSlow"):
         person.click(f"do-{behavior}")
@@ -142,14 +143,14 @@ def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_chan
 
 @needs_browser
 def test_what_an_idle_agent_perceives_is_shown(swarm, person):
-    swarm.agents.perform(TWO, "")
+    swarm.agents.do(TWO, Perform())
     person.click(f"agent-{TWO}")
     person.sees("perceives", "DistanceTo(ball)")
 
 
 @needs_browser
 def test_two_tabs_of_one_browser_are_one_person(swarm, chrome, url):
-    swarm.agents.begin(TWO, "Shared", features=["DistanceTo(ball)"], discard=True)
+    swarm.agents.do(TWO, BeginTraining("Shared", features=["DistanceTo(ball)"], discard=True))
     with visitor(chrome, url) as one:
         two = Person(one.page.context.new_page(), url)
         for page, behavior in ((one, "GoFast"), (two, "Stop"), (one, "GoSlow")):
@@ -168,9 +169,9 @@ def test_two_tabs_of_one_browser_are_one_person(swarm, chrome, url):
 def test_why_it_did_that_is_known_of_what_was_done_while_nobody_looked(swarm, person):
     person.click(f"agent-{ONE}")
     person.sees("banner", ONE)
-    swarm.agents.begin(TWO, "Unseen", features=["DistanceTo(ball)"], discard=True)
+    swarm.agents.do(TWO, BeginTraining("Unseen", features=["DistanceTo(ball)"], discard=True))
     for behavior in ("GoFast", "Stop"):  # as by the command line
-        swarm.agents.command(TWO, behavior)
+        swarm.agents.do(TWO, Command(behavior))
     person.click(f"agent-{TWO}")
     person.click("tab-learned")
     person.page.wait_for_selector('.why:has-text("GoFast → Stop")')
@@ -178,7 +179,7 @@ def test_why_it_did_that_is_known_of_what_was_done_while_nobody_looked(swarm, pe
 
 @needs_browser
 def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, person, chrome, url):
-    swarm.agents.begin(TWO, "Held", features=["DistanceTo(ball)"], discard=True)
+    swarm.agents.do(TWO, BeginTraining("Held", features=["DistanceTo(ball)"], discard=True))
     person.click(f"agent-{TWO}")
     person.click("do-GoFast")
     page = chrome.new_page(viewport={"width": 1280, "height": 720})
@@ -196,7 +197,8 @@ def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, perso
     person.sees("message", f"has taken {TWO}")
     person.sees("banner", "held by Ben")
     person.waits_until(
-        lambda: swarm.link.spin(0.02) or swarm.agents.statuses[TWO].demonstrator == "Ben", "told"
+        lambda: swarm.link.spin(0.02) or swarm.agents.statuses[TWO].training.demonstrator == "Ben",
+        "told",
     )
     page.reload()
     other.sees("who", "Ben")

@@ -11,6 +11,7 @@ from axe_playwright_python.sync_playwright import Axe
 from browsing import ONE, Person, away_from_everybody, needs_browser, visitor
 
 from hitab_core import HitabError
+from hitab_core.operations import BeginTraining, Command, DiscardTraining, Perform
 
 MOST_TABS = 200
 
@@ -25,8 +26,8 @@ ONLY_CONTRAST = ONLY_VIOLATIONS | {"runOnly": {"type": "rule", "values": ["color
 def free(swarm: Any) -> None:
     """Have the keeper train nothing."""
     with suppress(HitabError):
-        swarm.agents.discard(ONE)
-    swarm.agents.perform(ONE, "")
+        swarm.agents.do(ONE, DiscardTraining())
+    swarm.agents.do(ONE, Perform())
 
 
 def close_dialog(person: Person) -> None:
@@ -71,9 +72,9 @@ def looking(swarm: Any, chrome: Any, url: str) -> Iterator[Person]:
 @pytest.fixture
 def teaching(swarm: Any, looking: Person) -> Person:
     """Somebody who has shown the keeper something, about which it asks a question."""
-    swarm.agents.begin(ONE, "Seen", features=list(SEEN_FEATURES), discard=True)
+    swarm.agents.do(ONE, BeginTraining("Seen", features=list(SEEN_FEATURES), discard=True))
     for behavior in SHOWN:
-        swarm.agents.command(ONE, behavior)
+        swarm.agents.do(ONE, Command(behavior))
     looking.sees("mode", "Training")
     looking.sees("counts", f"{2 * len(SHOWN)} examples")
     looking.sees("questions")
@@ -253,7 +254,7 @@ def test_a_person_trains_with_the_keyboard_alone(swarm, person):
 
 @needs_browser
 def test_whatever_can_be_clicked_can_be_reached_with_the_keyboard(swarm, person):
-    swarm.agents.begin(ONE, "Reached", features=["DistanceTo(ball)"], discard=True)
+    swarm.agents.do(ONE, BeginTraining("Reached", features=["DistanceTo(ball)"], discard=True))
     person.click(f"agent-{ONE}")
     person.click("do-GoFast")
     person.sees("counts", "2 examples")

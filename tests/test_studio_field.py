@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 from browsing import ONE, Person, away_from_everybody, entity, needs_browser, visitor
 
+from hitab_core.operations import BeginTraining, Command, DiscardTraining
+
 
 def field(person: Person, what: str) -> Any:
     return person.page.evaluate(f"(() => {{ const f = window.studioField; return {what}; }})()")
@@ -132,11 +134,11 @@ def trained(swarm: Any) -> Iterator[None]:
     """A keeper in training, with examples: more is on the page than otherwise."""
     away_from_everybody(swarm, 6.0)
     features = ["BallIsKickable", "DirectionTo(ball)", "DistanceTo(ball)"]
-    swarm.agents.begin(ONE, "Small", features=features, discard=True)
+    swarm.agents.do(ONE, BeginTraining("Small", features=features, discard=True))
     for behavior in ("TurnToBall", "GoFast", "TurnToBall"):
-        swarm.agents.command(ONE, behavior)
+        swarm.agents.do(ONE, Command(behavior))
     yield
-    swarm.agents.discard(ONE)
+    swarm.agents.do(ONE, DiscardTraining())
 
 
 @needs_browser

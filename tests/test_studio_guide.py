@@ -10,6 +10,8 @@ from typing import Any
 from browsing import ONE, Person, away_from_everybody, entity, needs_browser
 from mentions import ROOT
 
+from hitab_core.operations import Perform
+
 TITLE = "## Train something in two minutes"
 NAME = "FetchBall"
 KICKABLE_M = 1.085  # how near the ball is kicked
@@ -200,7 +202,7 @@ def test_who_does_what_the_page_says_has_a_keeper_that_reaches_the_ball(swarm, p
     assert guide.left == ""
 
     world.control("pace", pace="lockstep")
-    swarm.agents.perform(ONE, NAME)
+    swarm.agents.do(ONE, Perform(NAME))
     random_ = random.Random(3)
     corners = {"keeper_2": (9, 9), "keeper_3": (9, -9), "taker_1": (-9, 9), "taker_2": (-9, -9)}
     for _ in range(EPISODES):

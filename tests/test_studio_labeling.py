@@ -10,6 +10,7 @@ from browsing import ONE, away_from_everybody, entity, needs_browser
 from hitab_bringup.processes.bringing_up import RunningSwarm
 from hitab_client.recording import Recorder
 from hitab_client.recording.recordings import recordings_folder
+from hitab_core.operations import Perform
 
 SECONDS = 60.0
 
@@ -26,13 +27,13 @@ def recorded(swarm: RunningSwarm) -> Iterator[str]:
 
     assert swarm.link.spin_until(heard, SECONDS)
     away_from_everybody(swarm, 7.0)
-    swarm.agents.perform(ONE, "ServoBall")
+    swarm.agents.do(ONE, Perform("ServoBall"))
     before = recorder.bag.count
     swarm.world.step(40)  # of three keepers, each with a percept and an action
     assert swarm.link.spin_until(lambda: recorder.bag.count > before + 6 * 40, SECONDS)
     swarm.link.spin(0.5)
     recorder.close()
-    swarm.agents.perform(ONE, "")
+    swarm.agents.do(ONE, Perform())
     yield path.name
     path.unlink()
 

@@ -13,6 +13,7 @@ from keepers import trained_keepers
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import SwarmError
+from hitab_core.operations import DiscardTraining
 
 
 @pytest.fixture(scope="module")
@@ -28,13 +29,13 @@ def nothing_is_trained(swarm):
     """Give up what another test has left."""
     swarm.world.control("pause")
     with contextlib.suppress(SwarmError):  # nothing was left
-        swarm.agents.discard(ONE)
+        swarm.agents.do(ONE, DiscardTraining())
     away_from_everybody(swarm, 6.0)
 
 
 def shown(swarm):
     """Return the numbers of the examples that have some."""
-    swarm.link.spin_until(lambda: swarm.agents.statuses[ONE].training_revision, 10.0)
+    swarm.link.spin_until(lambda: swarm.agents.statuses[ONE].training.revision, 10.0)
     return [e.numbers for e in swarm.agents.training(ONE).examples if e.numbers]
 
 

@@ -8,13 +8,14 @@ import pytest
 from browsing import ONE, away_from_everybody, begin, needs_browser
 
 from hitab_client.errors import SwarmError
+from hitab_core.operations import DiscardTraining, SetCaution
 
 
 @pytest.fixture(autouse=True)
 def nothing_is_trained(swarm):
     """Give up what another test has left."""
     with contextlib.suppress(SwarmError):  # nothing was left
-        swarm.agents.discard(ONE)
+        swarm.agents.do(ONE, DiscardTraining())
 
 
 @needs_browser
@@ -73,4 +74,4 @@ def test_an_unsure_agent_says_why_and_does_what_was_chosen_for_that(swarm, perso
         swarm.world.step(2)
         person.sees("unsure", "spreads of the examples from the nearest one")
     finally:
-        swarm.agents.set_caution(ONE, "go_on")
+        swarm.agents.do(ONE, SetCaution("go_on"))

@@ -14,6 +14,7 @@ from keepers import trained_keepers
 from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import temporary_swarm
+from hitab_core.operations import BeginTraining
 from hitab_studio.scene import SHOWN_MODES, SILENT_MODE
 
 SECONDS = 60.0
@@ -24,7 +25,7 @@ SILENT_MODE = 1 + SHOWN_MODES.index(SILENT_MODE)
 def training(swarm, person) -> Person:
     """Somebody who trains keeper_1, with one command given."""
     away_from_everybody(swarm, 5.0)
-    swarm.agents.begin(ONE, "Lost", features=["DistanceTo(ball)"], discard=True)
+    swarm.agents.do(ONE, BeginTraining("Lost", features=["DistanceTo(ball)"], discard=True))
     person.click(f"agent-{ONE}")
     person.click("do-GoFast")
     person.sees("counts", "2 examples")

@@ -9,13 +9,14 @@ import pytest
 from browsing import ONE, TWO, Person, away_from_everybody, begin, needs_browser, visitor
 
 from hitab_client.errors import SwarmError
+from hitab_core.operations import DiscardTraining
 
 
 @pytest.fixture(autouse=True)
 def nothing_is_trained(swarm):
     """Give up what another test has left."""
     with contextlib.suppress(SwarmError):  # nothing was left
-        swarm.agents.discard(ONE)
+        swarm.agents.do(ONE, DiscardTraining())
 
 
 @needs_browser
@@ -33,7 +34,8 @@ def test_who_would_lose_examples_is_asked_once(swarm, person):
     person.click("discard-now")
     person.sees("mode", "Idle")
     person.waits_until(
-        lambda: swarm.link.spin(0.02) or not swarm.agents.statuses[ONE].examples, "given up"
+        lambda: swarm.link.spin(0.02) or not swarm.agents.statuses[ONE].training.examples,
+        "given up",
     )
 
 

@@ -18,6 +18,7 @@ from hitab_client.run_folder import RunFolder, running_swarms
 from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
+from hitab_core.operations import Perform
 from hitab_ros.exit_codes import DO_NOT_RESTART
 
 LONE = "swarm: lone\ndomain: keepaway\nagents: {lone: {}}\n"
@@ -68,7 +69,7 @@ def test_a_swarm_without_a_world_lives_beside_a_swarm_with_one_in_its_domain(apa
     assert record.domain_id == soccer.domain_id
     with RosLink(record.domain_id) as link:
         agents = SwarmClient(link, record.agents, identity=record.identity)
-        agents.perform("lone", "Stop")
+        agents.do("lone", Perform("Stop"))
         assert link.spin_until(lambda: agents.statuses["lone"].behavior == "Stop", 60.0)
         keepers = SwarmClient(link, soccer.agents, identity=soccer.identity)
         assert keepers.await_agents() == list(soccer.agents)

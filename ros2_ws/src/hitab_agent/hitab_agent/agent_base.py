@@ -11,6 +11,7 @@ from hitab_agent.guarded_tick import Action
 from hitab_agent.robot_link import RobotStop
 from hitab_agent.settings import AgentParameters
 from hitab_core import Agent
+from hitab_core.operations import Operation, Outcome
 from hitab_ros import GuardedNode
 from hitab_ros.diagnostics import Diagnosis, Level
 
@@ -53,10 +54,18 @@ class AgentBase(GuardedNode):
     def settle(self) -> None:
         """Retry a waiting order after a demonstrator has changed something."""
 
-    def answered(self, error: Exception | None) -> None:
-        """Settle after a request, and show in the status what went wrong."""
+    def do(self, operation: Operation) -> Outcome:
+        """Carry out an operation, and publish what became of it.
 
-    def taken_in(self, sequence: int, digest: str, error: str) -> None:
+        Raises:
+            HitabError: if it is refused.
+        """
+        raise NotImplementedError
+
+    def answered(self, error: Exception | None) -> None:
+        """Settle after an operation, and show in the status what went wrong."""
+
+    def taken_in(self, digest: str, error: str) -> None:
         """Publish that a distribution was accepted or, without a digest, refused."""
 
     def diagnose(self) -> Diagnosis:

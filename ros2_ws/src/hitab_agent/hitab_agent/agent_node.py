@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,7 @@ from rclpy.parameter_service import ParameterService
 
 from hitab_agent import actions
 from hitab_agent.agent_base import AgentBase
-from hitab_agent.agent_services import AgentServices
-from hitab_agent.command_receiver import CommandReceiver
+from hitab_agent.agent_services import AgentServices, CommandTopic
 from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.host_resources import HostResources
@@ -39,6 +39,7 @@ from hitab_core import (
     quantity,
     uses_actions,
 )
+from hitab_core.operations import Command, Operation, Outcome
 from hitab_core.orders import Subordinate
 from hitab_ros import names
 from hitab_ros.conversions import term_of
@@ -94,6 +95,8 @@ class AgentNode(AgentBase):
             most_probable=settings.most_probable,
             observe=self.guard.wrap("publishing a transition", self.transition_log.observe),
         )
+        self.agent.open_library = self.shared.library
+        self.agent.send = partial(self.shared.distributions.send, self.agent_name)
         self.percept_log = PerceptLog(self)
         self._tick = GuardedTick(self.agent, self.guard)
         self.status = StatusPublisher(
@@ -159,7 +162,7 @@ class AgentNode(AgentBase):
         self._joined = True
         self.training.searched = self.status.publish_soon
         shared.nodes.append(self)
-        CommandReceiver(self)
+        CommandTopic(self)
         if settings.services_on_demand:
             shared.offer_on_demand(self)
         if shared.on_demand is None:
@@ -225,9 +228,8 @@ class AgentNode(AgentBase):
 
     def _offer_services(self) -> None:
         self.training.offer()
-        AgentServices(self, self.agent, self.shared.library, self.answered, self.training)
+        AgentServices(self)
         InspectionServices(self, self.agent)
-        self.shared.distributions.offer(self)
         if self.shared.host is None:
             ParameterService(self)
 
@@ -290,7 +292,7 @@ class AgentNode(AgentBase):
                 action = NO_ACTION
         if self._sensed and not self.status.message.perceived:
             self.status.publish_soon()
-        if self.agent.monitor.unsure != self.status.message.unsure:
+        if self.agent.monitor.unsure != self.status.message.caution.unsure:
             self.status.publish_soon()
             self.shared.diagnostics.soon()
         log = self.transition_log
@@ -319,7 +321,8 @@ class AgentNode(AgentBase):
     def stop_changed(self) -> None:
         """Publish why the robot may not act; cancel the agent's goals, or resume them."""
         why = self.stop.why if self.stop is not None else ""
-        self.status.message.stopped = why
+        self.agent.stopped = self.status.message.stopped = why
+        self.status.message.armed = not why
         ways = [Fix.GO()] if self.stop is not None and self.stop.is_emergency else []
         self.guard.faults.set("stop", why, *ways, Fix.ARM(robot=self.agent_name))
         if self.superior is not None:
@@ -354,16 +357,27 @@ class AgentNode(AgentBase):
 
     # -- status -----------------------------------------------------------------------------
 
+    def do(self, operation: Operation) -> Outcome:
+        """Carry out an operation, and publish what became of it."""
+        if isinstance(operation, Command):
+            self.status.commanded(operation.by)
+        try:
+            outcome = self.agent.do(operation)
+        except Exception as error:
+            self.answered(error)
+            raise
+        self.answered(None)
+        return outcome
+
     def answered(self, error: Exception | None) -> None:
-        """Settle after a request, and show in the status what went wrong."""
+        """Settle after an operation, and show in the status what went wrong."""
         self.settle()
         self.status.report_error(error)
 
-    def taken_in(self, sequence: int, digest: str, error: str) -> None:
+    def taken_in(self, digest: str, error: str) -> None:
         """Publish that a distribution was accepted or, without a digest, refused."""
         if digest:
             self.settle()
-        self.status.message.distribution = sequence
         self.status.report_error(HitabError(error) if error else None)
 
     def faults_changed(self) -> None:
@@ -378,8 +392,7 @@ class AgentNode(AgentBase):
 
     def _prepare_status(self) -> None:
         self.remember()
-        self.status.message.training = self.agent.training
-        self.status.message.training_revision = self.training.notice()
+        self.status.message.training.revision = self.training.notice()
         self._tick.clear_if_past()
         if self.actions is not None:
             self.actions.clear_if_past()

@@ -9,18 +9,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from functools import partial
 
-from hitab_msgs import msg, srv
+from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
 from hitab_agent.bundle_install import BundleInstall
 from hitab_agent.scheduler import JobQueue
-from hitab_core import Term, VocabularyError, quantity
-from hitab_core.library import Bundle, make_bundle
+from hitab_core import Term, operations
+from hitab_core.library import Bundle
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.answering import answering
-from hitab_ros.conversions import term_of
 
 
 class Distributions:
@@ -51,7 +48,7 @@ class Distributions:
         ]
         if meant:
             bundle = Bundle(tuple((f.name, f.text) for f in sent.files), sent.digest)
-            start = Term(sent.behavior, tuple(sent.arguments)) if sent.start else None
+            start = Term(sent.behavior, tuple(sent.targets)) if sent.start else None
             self._jobs.do(BundleInstall(sent.sequence, bundle, start, meant, self._taken_in).job())
 
     def _taken_in(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
@@ -60,7 +57,7 @@ class Distributions:
 
     def _acknowledge(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
         # The status comes first: a client that has all acknowledgements compares the digests.
-        node.taken_in(sequence, digest, error)
+        node.taken_in(digest, error)
         self._acknowledgements.publish(
             msg.DistributionAck(
                 sequence=sequence,
@@ -71,43 +68,22 @@ class Distributions:
             )
         )
 
-    def offer(self, node: AgentBase) -> None:
-        """Offer the service by which an agent distributes."""
-        serve = answering(partial(self._distribute, node), node.answered)
-        node.create_service(srv.Distribute, names.DISTRIBUTE, serve)
-
-    def _distribute(
-        self,
-        node: AgentBase,
-        request: srv.Distribute.Request,
-        response: srv.Distribute.Response,
-    ) -> str:
-        agent = node.agent
-        term = term_of(request.behavior, request.arguments)
-        agent.check_saved(term.name)
-        if request.start:
-            agent.repertoire.check_state(term)
-        agent.repertoire.get(term.name)  # unless it is unknown or lost
-        if term.name not in agent.loaded.files:
-            raise VocabularyError(
-                f'"{term.name}" does not need to be sent: it comes with domain '
-                f'"{agent.domain.name}", which its agents have'
-            )
-        bundle = make_bundle(agent.loaded.texts, agent.repertoire, term.name)
+    def send(self, source: str, shipment: operations.Shipment) -> int:
+        """Send a behavior of an agent to others, and return the number of the distribution."""
+        bundle, term = shipment.bundle, shipment.term
         # The time of day makes the number unique in the swarm, whichever agents distribute. A
         # node's clock may be simulated, and simulated time stands still in a paused world.
-        response.sequence, response.digest = time.time_ns(), bundle.digest
+        sequence = time.time_ns()
         self._outgoing.publish(
             msg.Distribution(
-                sequence=response.sequence,
-                source=agent.name,
-                receivers=list(request.receivers),
+                sequence=sequence,
+                source=source,
+                receivers=list(shipment.receivers),
                 behavior=term.name,
-                arguments=list(term.arguments),
+                targets=list(term.arguments),
                 digest=bundle.digest,
                 files=[msg.BehaviorFile(name=n, text=t) for n, t in bundle.files],
-                start=request.start,
+                start=shipment.start,
             )
         )
-        broken = [text for name, _ in bundle.files for text in agent.loaded.files[name].broken]
-        return "; but ".join([f"sent {quantity(len(bundle.files), 'behavior')}", *broken])
+        return sequence

@@ -6,7 +6,6 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.agent_services import bindings_of
 from hitab_agent.automaton_message import automaton_message, training_message
 from hitab_agent.guarded_tick import failing
 from hitab_core import (
@@ -19,6 +18,7 @@ from hitab_core import (
 from hitab_core.library import difference
 from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
+from hitab_ros.conversions import pairs_of
 
 Origin: Any = srv.GetBehavior.Response
 
@@ -75,7 +75,7 @@ class InspectionServices:
             )
         elif request.trim:
             automaton, answer.trimmed = session.trimmed(
-                bindings=bindings_of(request), keep_unused=request.keep_unused
+                bindings=dict(pairs_of(request.bindings)), keep_unused=request.keep_unused
             )
             answer.automaton = automaton_message(automaton, domain, classifier=classifier)
         else:

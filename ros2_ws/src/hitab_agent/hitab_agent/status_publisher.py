@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import secrets
 import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
 from hitab_agent.host_resources import HostResources
 from hitab_agent.settings import AgentParameters
 from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
-from hitab_core import Agent, Mode
+from hitab_core import Agent, Mode, some
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.answering import remedies_for, what_went_wrong
+from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import remedy_messages
 from hitab_ros.faults import shown
+from hitab_ros.plain_text import plain
+
+DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; a longer one is shortened
+TOGETHER_S = 10.0
+"""The status names demonstrators who command an agent within this time of each other, s."""
 
 
 class Beginning(NamedTuple):
@@ -39,7 +44,6 @@ class StatusPublisher:
         message: the status; the handlers of requests record their outcome in it.
         path: the last published path of active states.
         superior: the link to the agent's commander; None if it has none.
-        together: a note that several demonstrators command the agent; empty if at most one does.
     """
 
     def __init__(
@@ -62,11 +66,14 @@ class StatusPublisher:
             prepare: called before each status is published.
         """
         self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name)
+        self.message.process = secrets.randbits(63)
+        self.message.armed = True
         self.message.swarm = settings.swarm
         self.message.when_out_of_reach = settings.when_out_of_reach
         self.path: list[str] = []
         self.superior: SuperiorLink | None = None
-        self.together = ""
+        self._together = ""
+        self._commanded: dict[str, float] = {}  # when each demonstrator last commanded
         self._guard = node.guard
         self._agent = agent
         self._shared = shared
@@ -117,10 +124,17 @@ class StatusPublisher:
         if text != self._error:
             self._shared.diagnostics.soon()
         self._error = text
-        seconds, nanoseconds = divmod(time.time_ns(), 10**9) if text else (0, 0)
-        self.message.last_remedies = remedy_messages(remedies_for(error))
-        self.message.refused_at = Time(sec=seconds, nanosec=nanoseconds)
         self.publish()
+
+    def commanded(self, demonstrator: str) -> None:
+        """Note who commands the agent, and whether others do at the same time."""
+        self.message.training.demonstrator = plain(demonstrator, DEMONSTRATOR_MAX, lines=False)
+        now = time.monotonic()
+        recent = {who: at for who, at in self._commanded.items() if now - at <= TOGETHER_S}
+        self._commanded = recent | {self.message.training.demonstrator or "a person": now}
+        people = some(sorted(self._commanded), between=" and ")
+        several = len(self._commanded) > 1
+        self._together = f"is commanded by {people} at the same time" if several else ""
 
     def began(self, *, fault: str = "", note: str = "") -> None:
         """Publish the outcome of the start, until the agent does something else or has an example.
@@ -144,18 +158,20 @@ class StatusPublisher:
         session = agent.session
         self._log_missing()
         self.path = agent.active_path
-        status.stamp = self._transitions.stamp
+        status.sequence += 1
         status.mode = agent.mode.value
         status.behavior = agent.behavior
         status.active_path = self.path
         examples = session.examples if session else ()
-        status.examples = len(examples)
-        status.default_examples = sum(example.is_default for example in examples)
-        status.questions = len(session.questions.known()) if session else 0
-        status.remarks = len(agent.remarks())
-        status.unsure = agent.monitor.unsure
-        status.when_unsure = agent.monitor.caution.when_unsure.value
-        status.unsure_distance = agent.monitor.caution.distance
+        training, caution = status.training, status.caution
+        training.automaton = agent.training
+        training.examples = len(examples)
+        training.default_examples = sum(example.is_default for example in examples)
+        training.questions = len(session.questions.known()) if session else 0
+        training.remarks = len(agent.remarks())
+        caution.unsure = agent.monitor.unsure
+        caution.when_unsure = agent.monitor.caution.when_unsure.value
+        caution.distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
         status.perceived = agent.context.feature_cache.perceived
         status.library_digest = agent.loaded.digest
@@ -163,14 +179,14 @@ class StatusPublisher:
         status.faults = faults
         status.remedies = remedy_messages([*self._guard.faults.remedies, *agent.remedies])
         note = session.note if session and agent.mode is Mode.TRAINING else ""
-        notes = [note or self._beginning.note, self.together if session else ""]
+        notes = [note or self._beginning.note, self._together if session else ""]
         status.note = "; ".join(shown(filter(None, notes)))
         status.last_error = self.notice or (faults[0] if faults else "")
         if self.superior is not None:
             subordinate = self.superior.subordinate
-            status.superior = self.superior.commander
-            status.ordered = subordinate.ordered or ""
-            status.order_waits = subordinate.waits
+            status.order.commander = self.superior.commander
+            status.order.behavior = subordinate.ordered or ""
+            status.order.waits = subordinate.waits
         self._publisher.publish(status)
 
     def _log_missing(self) -> None:

@@ -8,6 +8,7 @@ from rclpy.node import Node
 
 from hitab_core.running import Change
 from hitab_ros import SparingLog, names, qos
+from hitab_ros.conversions import values_message
 
 _LINE_S = 0.2  # time between two lines of the log, after a first burst
 
@@ -69,8 +70,7 @@ class TransitionLog:
         why = change.explanation()
         if why is not None:
             names = change.features
-            event.features = [names[i] for i in why.features]
-            event.values = [change.values[i] for i in why.features]
+            event.features = values_message((names[i], change.values[i]) for i in why.features)
             if why.distribution:
                 event.probability = float(why.distribution.get(change.destination, 0.0))
         return event

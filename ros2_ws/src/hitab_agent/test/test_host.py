@@ -206,7 +206,7 @@ def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broke
         process.until(lambda n=round_: len(seen) == 2 * n * SIZE)
     event = seen[0]
     assert (event.from_state, event.to_state, event.commanded) == (START, "Go", False)
-    assert (list(event.features), list(event.values)) == (["X"], [1.0])
+    assert [(f.name, f.value) for f in event.features] == [("X", 1.0)]
     assert event.probability == 1.0
     # Each agent itself looks in each percept whether it can be read by now.
     assert len(reads) == 6 * SIZE

@@ -104,7 +104,7 @@ def test_what_is_commanded_before_it_is_re_armed_is_refused_with_the_way_out(rob
     robot.drives()
     one.command("Go")
     assert one.status.last_error.startswith("waits to be armed: it has just started")
-    assert [(r.code, r.values[0]) for r in one.status.last_remedies] == [("ARM", "one")]
+    assert [(r.code, r.arguments[0].value) for r in one.status.remedies] == [("ARM", "one")]
     assert one.agent.session.examples == ()
     one.command("Stop")
     assert one.agent.active_path == ["Stop"], "that it can do"

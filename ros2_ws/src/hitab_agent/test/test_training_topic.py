@@ -100,7 +100,7 @@ def test_a_loop_in_what_was_learned_is_published_with_what_would_mend_it(
     trained.subscribe()
     (remark,) = trained.until(lambda it: it.remarks).remarks
     assert remark.code == "LOOP"
-    assert dict(zip(remark.names, remark.values, strict=True))["states"] == "Right and Left"
+    assert dict(pairs_of(remark.arguments))["states"] == "Right and Left"
     assert remark.remedy.code == "RELABEL"
 
 

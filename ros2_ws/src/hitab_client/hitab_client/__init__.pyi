@@ -31,9 +31,7 @@ from .run_folder import RunFolder as RunFolder
 from .run_folder import RunRecord as RunRecord
 from .signs_of_life import SignsOfLife as SignsOfLife
 from .stops import Stops as Stops
-from .swarm_client import ACKNOWLEDGE_SECONDS as ACKNOWLEDGE_SECONDS
 from .swarm_client import SwarmClient as SwarmClient
-from .swarm_client import is_answered as is_answered
 from .users import user_name as user_name
 from .world_client import WorldClient as WorldClient
 from .world_view import Thing as Thing

@@ -35,6 +35,11 @@ SETTLE_SECONDS = 1.5
 """Time without a new agent, s, after which no other is expected."""
 
 
+def is_older(status: AgentStatus, known: AgentStatus) -> bool:
+    """Return whether a status is older than a known one, as it may be beside an answer."""
+    return status.process == known.process and status.sequence < known.sequence
+
+
 class AgentPresence:
     """The agents of a swarm that have reported.
 
@@ -90,7 +95,9 @@ class AgentPresence:
         if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
             if agent not in self.statuses:
                 self._newest_at = time.monotonic()
-            self.statuses[agent] = status
+            known = self.statuses.get(agent)
+            if known is None or not is_older(status, known):
+                self.statuses[agent] = status
             self.strangers.pop(agent, None)
         else:
             self.strangers[agent] = status.swarm

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
-from hitab_msgs.msg import AgentStatus, WorldStatus
+from hitab_msgs.msg import WorldStatus
 from pydantic import ConfigDict, Field
 
 from hitab_client.errors import LessonError, SwarmError
@@ -31,6 +31,7 @@ from hitab_core.library import time_now
 from hitab_core.library.durable_files import file_errors, write_durably
 from hitab_core.library.yaml_models import Format, Record, Texts, open_record
 from hitab_core.library.yaml_places import open_yaml
+from hitab_core.operations import BeginTraining, Distribute, Perform, SaveBehavior, TakeOver
 
 FORMAT = 2
 """Format version that is written, and newest that is read; additional fields of 1 are ignored."""
@@ -146,7 +147,7 @@ class Bootstrapping:
         read_generations(folder, name)  # refuses a damaged file before anything is changed
         with standing_still(self.world) as before:
             with not_interrupted():
-                self.swarm.save(agent, keep_unused=True)
+                self.swarm.do(agent, SaveBehavior(keep_unused=True))
                 version = self.swarm.behavior(agent, name).version
                 self._train(agent, training, bound, version)
             made = Generation(
@@ -166,7 +167,7 @@ class Bootstrapping:
                 with not_interrupted():
                     _keep(folder, name, made)
                     self.say(f"generation {version}: {made.score}")
-                    self.swarm.set_mode(agent, AgentStatus.TRAINING)
+                    self.swarm.do(agent, TakeOver())
             if waiting is not None:
                 self._await(waiting, before)
         return made
@@ -187,7 +188,7 @@ class Bootstrapping:
         """
         earlier = self.swarm.behavior(agent, behavior, version=version)
         self._waiting(agent)
-        if not discard and self.swarm.statuses[agent].training:
+        if not discard and self.swarm.statuses[agent].training.automaton:
             training = self.swarm.training(agent)
             if training.done:
                 raise SwarmError(
@@ -204,16 +205,15 @@ class Bootstrapping:
 
     def _train(self, agent: str, what: Learned, bound: Sequence[str], version: int) -> None:
         """Begin a training from a version of a behavior."""
-        self.swarm.begin(
-            agent,
+        begin = BeginTraining(
             what.name,
-            states=list(what.chosen),
-            parameters=list(what.parameters) if bound else [],
-            arguments=list(bound),
+            states=what.chosen,
+            parameters=dict(zip(what.parameters, bound, strict=True)) if bound else {},
             resume=f"{what.name}@{version}",
             classifier=what.classifier,
             discard=True,
         )
+        self.swarm.do(agent, begin)
 
     def _give(self, agent: str, name: str, bound: Sequence[str], mates: Sequence[str]) -> None:
         """Distribute a saved behavior to the team, which performs it.
@@ -224,16 +224,13 @@ class Bootstrapping:
         if mates:
             report = self.swarm.distribute(
                 agent,
-                name,
-                arguments=bound,
-                receivers=mates,
-                start=True,
+                Distribute(name, bound, mates, start=True),
                 progress=lambda done, total: self.progress(done, total, "distributing"),
             )
             if lacking := [f"{mate} {why}" for mate, why in report.missing.items()]:
                 raise SwarmError("\n".join(lacking), Fix.NEXT_GENERATION(agent=agent))
             self.say(f"{some(mates, most=3)} perform{'s' * (len(mates) == 1)} it")
-        self.swarm.perform(agent, name, bound)
+        self.swarm.do(agent, Perform(name, bound))
 
     def _score(self) -> Score:
         """Return the score of the team's behavior; an empty score without a world or episodes."""
@@ -267,4 +264,4 @@ class Bootstrapping:
             raise LessonError(error.what, Fix.TEST(agent=lesson.agent)) from None
         finally:
             with not_interrupted():
-                self.swarm.set_mode(lesson.agent, AgentStatus.TRAINING)
+                self.swarm.do(lesson.agent, TakeOver())

@@ -43,8 +43,8 @@ def values_of(played: Sequence[Episode]) -> dict[str, list[float]]:
     """Return the values of all measures of episodes by name, the length of the episodes first."""
     values = {SECONDS: [float(one.seconds) for one in played]}
     for one in played:
-        for name, value in zip(one.measure_names, one.measures, strict=True):
-            values.setdefault(name, []).append(float(value))
+        for measure in one.measures:
+            values.setdefault(measure.name, []).append(float(measure.value))
     return values
 
 

@@ -11,6 +11,7 @@ from hitab_msgs.srv import BeginTraining, EditExamples, Perform, SaveBehavior, S
 
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
+from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior, Test, Undo
 from hitab_ros.busy_timeout import BUSY_FACTOR
 from hitab_ros.call import Caller, blocking
 
@@ -87,7 +88,7 @@ def test_an_agent_that_is_late_in_a_stepped_world_is_commanded_once_it_is_back()
     link: Any = Keeper()
     swarm = SwarmClient(link, ["keeper"])
     link.status = swarm.statuses["keeper"] = AgentStatus(agent="keeper")
-    swarm.command("keeper", "GoFast", world=link.world)
+    swarm.do("keeper", Command("GoFast"), world=link.world)
     assert link.missed == [[]]
 
 
@@ -120,31 +121,31 @@ def of(mode: str, training: str, revision: int) -> AgentStatus:
     ("ask", "answer", "before", "after"),
     [
         (
-            lambda swarm: swarm.begin("keeper", "Chase"),
+            lambda swarm: swarm.do("keeper", BeginTraining("Chase")),
             BeginTraining.Response(success=True, revision=7),
             of("idle", "", 0),
             of("training", "Chase", 7),
         ),
         (
-            lambda swarm: swarm.set_mode("keeper", "testing"),
+            lambda swarm: swarm.do("keeper", Test()),
             SetMode.Response(success=True, revision=8),
             of("training", "Chase", 7),
             of("testing", "Chase", 8),
         ),
         (
-            lambda swarm: swarm.undo("keeper"),
+            lambda swarm: swarm.do("keeper", Undo()),
             EditExamples.Response(success=True, revision=9),
             of("training", "Chase", 8),
             of("training", "Chase", 9),
         ),
         (
-            lambda swarm: swarm.perform("keeper", ""),
+            lambda swarm: swarm.do("keeper", Perform()),
             Perform.Response(success=True),
             of("testing", "Chase", 9),
             of("idle", "Chase", 10),
         ),
         (
-            lambda swarm: swarm.save("keeper"),
+            lambda swarm: swarm.do("keeper", SaveBehavior()),
             SaveBehavior.Response(success=True),
             of("testing", "Chase", 9),
             of("performing", "", 0),

@@ -63,7 +63,7 @@ def test_an_old_or_repeated_order_changes_nothing(team):
     again = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
     team.until(lambda: again.get_subscription_count() > 1)
     fence = msg.Order(epoch=retreat.epoch, sequence=retreat.sequence + 1, order="Wait")
-    fence.receivers, fence.behaviors = [""], ["Wait"]
+    fence.behaviors = pairs_message([("", "Wait")])
     for order in (retreat, attack, fence):
         again.publish(order)
         team.executor.spin_once(timeout_sec=0.1)
@@ -111,15 +111,19 @@ def test_the_demonstrator_wins_and_the_order_is_taken_up_afterwards(team):
     team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
     team.command("a", "Wait")
     team.perform("chief", "Attack")
-    team.until(lambda: team.statuses["a"].order_waits)
+    team.until(lambda: team.statuses["a"].order.waits)
     status = team.statuses["a"]
-    assert (status.mode, status.superior, status.ordered) == ("training", "chief", "Search")
+    assert (status.mode, status.order.commander, status.order.behavior) == (
+        "training",
+        "chief",
+        "Search",
+    )
     assert team.begun("a") == ["Wait"]
     team.perform("chief", "Retreat")
-    team.until(lambda: team.statuses["a"].ordered == "Home")
+    team.until(lambda: team.statuses["a"].order.behavior == "Home")
     assert team.ask(srv.SaveBehavior, "a", names.SAVE).success
     team.until(lambda: team.performs("a") == "Home")
-    team.until(lambda: not team.statuses["a"].order_waits)
+    team.until(lambda: not team.statuses["a"].order.waits)
     assert team.begun("a") == ["Wait", "Home"]
 
 
@@ -194,7 +198,7 @@ def test_that_an_order_does_not_wait_any_more_is_told_though_nothing_else_has_ch
     team.perceive("a", 0.0, 0.0, 0.0)
     team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Search2", features=["X"])
     team.perform("chief", "Attack")
-    team.until(lambda: team.statuses["a"].order_waits)
+    team.until(lambda: team.statuses["a"].order.waits)
     report = team.nodes["a"].superior.subordinate.report()
     body = team.nodes["chief"].agent.body
     waiting = replace(report, waits=True)
@@ -210,7 +214,7 @@ def test_an_order_that_waits_tells_why_as_long_as_it_does(team):
     team.perceive("a", 0.0, 0.0, 0.0)
     team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
     team.perform("chief", "Sing")
-    team.until(lambda: team.statuses["a"].order_waits)
+    team.until(lambda: team.statuses["a"].order.waits)
     assert team.statuses["a"].last_error == ""
     why = 'cannot obey the order "Sing": unknown behavior "Sing"'
     team.ask(srv.SetMode, "a", names.SET_MODE, mode="idle")
@@ -271,7 +275,9 @@ def forge(team, **fields):
     publisher = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
     team.until(lambda: publisher.get_subscription_count() > 0)
     publisher.publish(
-        msg.Order(commander="chief", order="Forged", receivers=[""], behaviors=["Wait"], **fields)
+        msg.Order(
+            commander="chief", order="Forged", behaviors=pairs_message([("", "Wait")]), **fields
+        )
     )
     return publisher
 

@@ -214,7 +214,7 @@ def test_a_training_goes_on_after_the_commander_was_restarted(team):
     team.until(lambda: [team.performs(name) for name in ANTS] == ["Search", "Search"])
     team.end("chief")
     crew(team)
-    team.until(lambda: team.statuses["chief"].examples == 2)
+    team.until(lambda: team.statuses["chief"].training.examples == 2)
     team.until(lambda: team.obeying() == [True, True])
     assert team.begun("a") == ["Search"]
 

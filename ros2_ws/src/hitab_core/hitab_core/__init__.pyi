@@ -1,4 +1,5 @@
 from . import arrays as arrays
+from . import operations as operations
 from .action_behavior import ActionBehavior as ActionBehavior
 from .action_behavior import ActionCall as ActionCall
 from .action_behavior import FeedbackFeature as FeedbackFeature
@@ -67,7 +68,6 @@ from .term import VOCABULARY_NAME as VOCABULARY_NAME
 from .term import VOCABULARY_NAME_RULE as VOCABULARY_NAME_RULE
 from .term import Term as Term
 from .training.events import Given as Given
-from .training.events import Request as Request
 from .training_session import ASSISTANTS as ASSISTANTS
 from .training_session import TrainingSession as TrainingSession
 from .transition_function import HandWritten as HandWritten

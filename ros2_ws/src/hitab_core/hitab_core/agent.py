@@ -22,6 +22,7 @@ from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
+from hitab_core.operations import Operation, Outcome
 from hitab_core.remedies import Fix
 from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe
@@ -30,7 +31,6 @@ from hitab_core.seeding import agent_seed
 from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.events import NOW, Given
-from hitab_core.training.percept_history import KEPT_SECONDS
 from hitab_core.training_session import TrainingSession
 from hitab_core.wording import quantity
 
@@ -197,6 +197,24 @@ class Agent(AgentLibrary):
         else:
             self.perform(None)
 
+    # -- operations -------------------------------------------------------------------------
+
+    def do(self, operation: Operation) -> Outcome:
+        """Carry out an operation, or return its outcome if it was done before.
+
+        A refused one is not kept: sent again, it may succeed.
+
+        Raises:
+            HitabError: if it is refused; nothing has changed.
+        """
+        done: Outcome | None = self.outcomes.get(operation.id)
+        if done is not None:
+            return done
+        with self.journal.recording(operation):
+            outcome = operation.apply(self)
+        self.outcomes.keep(operation.id, outcome)
+        return outcome
+
     # -- performing -------------------------------------------------------------------------
 
     def perform(self, term: Term | None) -> None:
@@ -306,8 +324,8 @@ class Agent(AgentLibrary):
                 f"{self._episode_since}; command what is right in the new episode"
             )
         given = replace(given, cycle=self.cycle)
-        if session.history.latest is None and 0.0 <= given.ago <= KEPT_SECONDS:
-            given = replace(given, ago=0.0, seen=0)  # nothing has changed since training began
+        if session.history.latest is None:
+            given = replace(given, seen=0)  # nothing has changed since training began
         if self.awaits_percept:
             raise FeatureValueError(NO_PERCEPT_YET)
         with self.context.feature_cache.blind_unless_perceived():

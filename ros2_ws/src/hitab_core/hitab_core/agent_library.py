@@ -6,7 +6,7 @@ then made on disk, and last in the agent.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -28,6 +28,7 @@ from hitab_core.library.contents import LostBehaviors
 from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.provenance import Provenance
 from hitab_core.mode import Mode
+from hitab_core.operations import Outcome, Outcomes, Shipment
 from hitab_core.remedies import Fix, Remedy
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.run_context import RunContext, Running
@@ -36,7 +37,7 @@ from hitab_core.saving import SavedBehavior, loaded_with
 from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.resuming import resumed
-from hitab_core.training.training_journal import Record, TrainingJournal
+from hitab_core.training.training_journal import SAVED, Record, TrainingJournal
 from hitab_core.training_session import TrainingSession
 
 _State = tuple[LoadedLibrary, RunContext, Term | None, Running | None]
@@ -63,6 +64,10 @@ class AgentLibrary:
         top: the performed top-level behavior.
         pending_behavior: started as soon as its file is usable again; None if nothing waits.
         people: delay of the commands of each demonstrator.
+        outcomes: outcomes of the last operations, including those before a crash.
+        stopped: why its robot may not act; empty if it may, or without one.
+        open_library: function that opens the library in a folder.
+        send: function that sends a behavior to other agents, and returns the number of that.
     """
 
     context: RunContext
@@ -89,6 +94,10 @@ class AgentLibrary:
         self._latest_saved = ""
         self._performance: Running | None = None
         self._performances: dict[Term, Running] = {}
+        self.outcomes = Outcomes()
+        self.stopped = ""
+        self.open_library: Callable[[Path, Domain], BehaviorLibrary] = BehaviorLibrary
+        self.send: Callable[[Shipment], int] = _alone
 
     @property
     def repertoire(self) -> Repertoire:
@@ -174,7 +183,7 @@ class AgentLibrary:
                 state = self._state(loaded, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
-            record = {"do": "save", "automaton": saved.name, "checksum": saved.checksum}
+            record = {"do": SAVED, "automaton": saved.name, "checksum": saved.checksum}
             self.journal.write(record)
             change.commit()
         self.journal.people.update(texts_of(self.people))
@@ -323,6 +332,8 @@ class AgentLibrary:
 
         resumed = self.journal.resume(replay, self.library.has_saved)
         self._known_people()
+        for id in self.journal.done:
+            self.outcomes.keep(id, Outcome("done before the restart"))
         return resumed
 
     def _known_people(self) -> dict[str, Lateness]:
@@ -366,6 +377,10 @@ class AgentLibrary:
             else self.repertoire.get(resume)
         )
         return resumed(curriculum, of, self.repertoire)
+
+
+def _alone(shipment: Shipment) -> int:
+    raise LibraryError(f"there is no other agent to send {shipment.term.name} to")
 
 
 def _first_loaded(library: BehaviorLibrary) -> LoadedLibrary:

@@ -21,7 +21,6 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
 from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.events import Given
 from hitab_core.wording import quantity
 
 MISSING = ("NAType", "NaTType")
@@ -181,7 +180,9 @@ class LearningAgent:
             term = Term.parse(name)
             if agent.mode is not Mode.TRAINING and agent.session is not None:
                 agent.take_over()
-            agent.command(term, Given(ago=ago))
+            recorded = agent.command(term)
+            if ago and agent.session is not None:
+                agent.session.retime([example.number for example in recorded], ago)
         elif agent.mode is Mode.IDLE or (agent.mode is Mode.TRAINING and not self.examples):
             self._size = len(percept)
             raise TrainingError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Self
@@ -23,15 +22,12 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.running.run_context import RunContext
 from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum, check_curriculum, check_state
-from hitab_core.training.events import NOW, Given, Request
+from hitab_core.training.events import NOW, Given
 from hitab_core.training.exchange import exchange
 from hitab_core.training.retiming import retiming
 from hitab_core.training.trainer import Journal, Trainer
 from hitab_core.training.undo import Edit
 from hitab_core.wording import some
-
-COMMANDS_MAX = 1000
-"""Maximum number of commands that are recognized when they come again."""
 
 ASSISTANTS = ("reaction", "questions", "loops", "episodes")
 """Names of the assistants: they estimate when late commands were due, ask about the examples, find
@@ -49,8 +45,6 @@ class TrainingSession(Trainer):
     Attributes:
         late: estimates when late commands were due.
         questions: questions of the agent to the demonstrator.
-        requests: the latest commands it has obeyed that were numbered, before a crash too.
-        edits: numbered edits, including those before a crash.
     """
 
     def __init__(
@@ -78,9 +72,6 @@ class TrainingSession(Trainer):
         for name, begin in zip(ASSISTANTS, subscribe, strict=True):
             if name not in without:
                 begin()
-        self.requests: deque[Request] = deque(maxlen=COMMANDS_MAX)
-        self.edits: deque[Request] = deque(maxlen=COMMANDS_MAX)
-        self._asked_by: Request | None = None
 
     # -- standing still ---------------------------------------------------------------------
 
@@ -167,9 +158,6 @@ class TrainingSession(Trainer):
         )
         for record in rest:
             training.make(record, training.prepared(record))
-            if "request" in record:
-                known = training.requests if record["do"] == "command" else training.edits
-                known.append(Request.from_record(record))
         for percept in training.history.kept():
             training.events.perceived(percept)
         training.check_on(context.repertoire)
@@ -231,18 +219,13 @@ class TrainingSession(Trainer):
 
     # -- edits ------------------------------------------------------------------------------
 
-    def begins(self, request: Request) -> bool:
-        """Note whose edit comes next; return False if it was made already, before a crash too."""
-        self._asked_by = request if request.number else None
-        return request not in self.edits
-
     def delete(self, numbers: Iterable[int]) -> None:
         """Delete examples by number.
 
         Raises:
             TrainingError: if one of the numbers is unknown.
         """
-        self.edit({"do": "delete", "numbers": sorted(set(numbers))})
+        self.edit({"do": "delete_examples", "numbers": sorted(set(numbers))})
 
     def relabel(self, numbers: Iterable[int], next_state: Term) -> None:
         """Change the next state of examples, and their commands' default examples.
@@ -254,7 +237,11 @@ class TrainingSession(Trainer):
         repertoire = self.context.repertoire
         check_state(next_state, self.curriculum, repertoire)
         state, given = repertoire.commanded(next_state)
-        record = {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(state)}
+        record = {
+            "do": "relabel_examples",
+            "numbers": sorted(set(numbers)),
+            "next_state": str(state),
+        }
         goes_on = not repertoire.is_one_shot(state)
         self.edit({**record, "goes_on": goes_on, **({"with": list(given)} if given else {})})
 
@@ -272,7 +259,7 @@ class TrainingSession(Trainer):
             TrainingError: if one of the numbers is unknown, or that time is not kept.
             FeatureValueError: if no feature had a value then, or one was infinite.
         """
-        self.edit({"do": "retime", "numbers": sorted(set(numbers)), "ago": ago})
+        self.edit({"do": "retime_examples", "numbers": sorted(set(numbers)), "ago": ago})
 
     def choose_features(self, features: Sequence[Term]) -> None:
         """Learn from other features of the same examples.
@@ -282,7 +269,7 @@ class TrainingSession(Trainer):
             VocabularyError: if there is no such feature.
         """
         self._check_features(features)
-        self.edit({"do": "features", "features": [str(term) for term in features]})
+        self.edit({"do": "choose_features", "features": [str(term) for term in features]})
 
     def with_features(self, features: Sequence[Term]) -> Automaton:
         """Return the automaton learned from other features of the same examples, untrimmed.
@@ -307,11 +294,6 @@ class TrainingSession(Trainer):
                 Fix.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
             )
 
-    def edit(self, record: Mapping[str, Any]) -> None:
-        """Change examples as a record of the journal says; see `Trainer.edit`."""
-        asked_by, self._asked_by = self._asked_by, None
-        super().edit(record if asked_by is None else {**record, "request": list(asked_by)})
-
     def make(self, record: Mapping[str, Any], edit: Edit | None) -> None:
         """Make a step that is on disk; see `Trainer.make`."""
         super().make(record, edit)
@@ -323,8 +305,8 @@ class TrainingSession(Trainer):
     def prepared(self, record: Mapping[str, Any]) -> Edit | None:
         """Return the edit that a record describes; see `Trainer.prepared`."""
         match record["do"]:
-            case "retime":
+            case "retime_examples":
                 return retiming(self, record["numbers"], float(record["ago"]))
-            case "features":
+            case "choose_features":
                 return exchange(self, tuple(map(Term.parse, record["features"])))
         return self.log.prepared(record)

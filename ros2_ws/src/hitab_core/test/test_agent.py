@@ -119,7 +119,7 @@ def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
     again = make()
     assert (again.mode, again.training) == (Mode.IDLE, "")
     with closing(sqlite3.connect(tmp_path / "ann" / "agent.db")) as tables:
-        assert tables.execute("SELECT count(*) FROM record").fetchone() == (3,), "it is kept"
+        assert tables.execute("SELECT count(*) FROM record").fetchone() == (4,), "it is kept"
     again.begin(HOME)
 
 

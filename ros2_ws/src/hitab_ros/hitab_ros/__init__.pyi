@@ -29,7 +29,6 @@ from .guarded_node import GuardedNode as GuardedNode
 from .guarded_node import name_of as name_of
 from .known_stops import KnownStops as KnownStops
 from .receivers import Receivers as Receivers
-from .recent_requests import RecentRequests as RecentRequests
 from .sparing_log import SparingLog as SparingLog
 from .spinning import FinalError as FinalError
 from .spinning import Loop as Loop

@@ -8,14 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core import HitabError, Remedy
+from hitab_core.operations import Outcomes
 from hitab_ros.plain_text import plain
-from hitab_ros.recent_requests import RecentRequests
 
 Serve = Callable[[Any, Any], str]
 """Carries out a request, fills in the response and returns its message."""
-
-Answered = Callable[[Exception | None], None]
-"""Called with the error of a refused request, or None on success."""
 
 
 def what_went_wrong(error: Exception) -> str:
@@ -46,34 +43,24 @@ def refuse(response: Any, error: Exception) -> Any:
     return response
 
 
-def answering(serve: Serve, answered: Answered = lambda error: None) -> Callable[[Any, Any], Any]:
-    """Return a service callback for a `GuardedNode`, which also replies to exceptions.
+def answering(serve: Serve) -> Callable[[Any, Any], Any]:
+    """Return a service callback for a `GuardedNode`.
 
-    A repeated request with a number (fields ``request`` and ``client``) is not carried out again,
-    but gets the same reply.
+    A request that is sent again, with the same ``id``, is not carried out again once it has
+    succeeded, but gets the same reply.
 
     Args:
         serve: carries out a request; the text of its exception becomes the reply's message.
-        answered: called before the reply is sent, with the error, or None on success.
     """
-    recent: RecentRequests[Any] = RecentRequests()
+    outcomes = Outcomes()
 
     def answer(request: Any, response: Any) -> Any:
-        number, client = getattr(request, "request", 0), getattr(request, "client", "")
-        given = recent.came_of(client, number)
-        if isinstance(given, Exception):
-            raise given
+        given = outcomes.get(request.id)
         if given is not None:
             return given
-        try:
-            response.message = serve(request, response)
-            response.success = True
-        except Exception as error:
-            recent.keep(client, number, error)
-            answered(error)
-            raise
-        recent.keep(client, number, response)
-        answered(None)
+        response.message = serve(request, response)
+        response.success = True
+        outcomes.keep(request.id, response)
         return response
 
     return answer

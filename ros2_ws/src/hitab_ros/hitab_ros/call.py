@@ -113,9 +113,6 @@ class Caller:
         self._announce = announce
         self._announced: set[str] = set()
         self._clients: dict[str, Any] = {}
-        # Identifies this client to services when a request is repeated.
-        self._name = uuid.uuid4().hex
-        self._requests = 0
 
     def spin(self, seconds: float = 0.1) -> None:
         """Handle pending events; wait at most this long for one."""
@@ -212,12 +209,14 @@ class Caller:
         missing: Callable[[], SwarmError],
         where: str = "",
         seconds: float = CALL_SECONDS,
+        over: Callable[[], bool] = lambda: False,
+        heard: Callable[[Any], None] = lambda answer: None,
     ) -> Any:
         """Call a service and return its answer.
 
         An answer may be lost, for example if the service has not discovered this client yet, so
-        the request is repeated until an answer arrives. Requests that change something are
-        numbered, so that they are carried out only once.
+        the request is repeated until an answer arrives. Requests that change something have an
+        id, so that they are carried out only once.
 
         Args:
             kind: type of the service.
@@ -226,6 +225,8 @@ class Caller:
             missing: returns the error for a missing service.
             where: name of the server, for people.
             seconds: timeout for the answer.
+            over: returns whether to give up, since no answer can arrive.
+            heard: called with the answer, also if it is a refusal.
 
         Raises:
             SwarmError: if the service is missing, does not answer, or refuses.
@@ -236,9 +237,8 @@ class Caller:
             client.service_is_ready, APPEARANCE_SECONDS, 0.01, lambda: f"{service} to appear"
         ):
             raise missing()
-        if getattr(request, "request", None) == 0:
-            self._requests += 1
-            request.request, request.client = self._requests, self._name
+        if getattr(request, "id", None) == "":
+            request.id = uuid.uuid4().hex
         sent: list[Any] = []
         try:
             if not await self.repeat(
@@ -248,6 +248,7 @@ class Caller:
                 REQUEST_REPEAT_SECONDS,
                 growth=2.0,
                 waiting_for=lambda: f"the answer of {service}",
+                over=over,
             ):
                 late = f"{service} did not answer within {seconds:g} s"
                 raise SwarmError(late, Fix.LOGS(node=service.split("/")[-2]))
@@ -256,6 +257,7 @@ class Caller:
                 if not future.done():
                     client.remove_pending_request(future)
         answer = next(future.result() for future in sent if future.done())
+        heard(answer)
         if not getattr(answer, "success", True):
             raise refused(answer, where)
         return answer

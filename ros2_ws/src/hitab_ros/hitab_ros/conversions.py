@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from operator import attrgetter
 from typing import Any, TypeVar
 
-from hitab_msgs import msg
+from diagnostic_msgs.msg import KeyValue
+from hitab_msgs import msg, srv
 
 from hitab_core import (
     BoundedNumber,
@@ -23,9 +25,11 @@ from hitab_core import (
     Term,
 )
 from hitab_core.assistant import TrainingCost
+from hitab_core.operations import Operation, Outcome
 from hitab_core.orders import Order, Report
 
 Data = TypeVar("Data")
+Op = TypeVar("Op", bound=Operation)
 
 
 @functools.cache
@@ -50,14 +54,56 @@ def data_of(kind: type[Data], message: Any, /, **others: Any) -> Data:
     return kind(**{**dict(zip(names, read(message), strict=True)), **others})
 
 
+def pairs_message(pairs: Iterable[tuple[str, str]]) -> list[KeyValue]:
+    """Return pairs of texts as a field of a message."""
+    return [KeyValue(key=key, value=value) for key, value in pairs]
+
+
+def pairs_of(message: Iterable[Any]) -> tuple[tuple[str, str], ...]:
+    """Return the pairs in a field of a message."""
+    return tuple((pair.key, pair.value) for pair in message)
+
+
+def values_message(values: Iterable[tuple[str, float | None]]) -> list[msg.Value]:
+    """Return named numbers as a field of a message; None becomes NaN."""
+    return [msg.Value(name=n, value=math.nan if v is None else float(v)) for n, v in values]
+
+
+def operation_of(kind: type[Op], request: Any) -> Op:
+    """Return the operation that a request, or a message on the command topic, asks for."""
+    given: dict[str, Any] = {}
+    for field in fields(kind):
+        value = getattr(request, field.name)
+        if field.default_factory is dict:
+            value = dict(pairs_of(value))
+        given[field.name] = value if isinstance(value, (bool, int, float, str, dict)) else [*value]
+    return kind(**given)
+
+
+def request_of(operation: Operation) -> Any:
+    """Return the request for an operation, of the service type with its name."""
+    request = getattr(srv, type(operation).__name__).Request()
+    for field in fields(operation):
+        value = getattr(operation, field.name)
+        if field.default_factory is dict:
+            value = pairs_message(value.items())
+        setattr(request, field.name, list(value) if isinstance(value, (tuple, list)) else value)
+    return request
+
+
+def fill_in(response: Any, outcome: Outcome) -> None:
+    """Write an outcome into the reply to a request, as far as the reply has its fields."""
+    for field in fields(outcome):
+        if hasattr(response, field.name):
+            value = getattr(outcome, field.name)
+            value = remedy_messages(value) if field.name == "remedies" else value
+            setattr(response, field.name, value)
+
+
 def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
     """Return remedies as messages, without duplicates."""
     return [
-        msg.Remedy(
-            code=remedy.code.name,
-            names=[name for name, _ in remedy.arguments],
-            values=[value for _, value in remedy.arguments],
-        )
+        msg.Remedy(code=remedy.code.name, arguments=pairs_message(remedy.arguments))
         for remedy in dict.fromkeys(remedies)
     ]
 
@@ -65,9 +111,7 @@ def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
 def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
     """Return the remedies in messages, without kinds that this version does not know."""
     return tuple(
-        Remedy(Fix[m.code], tuple(zip(m.names, m.values, strict=False)))
-        for m in messages
-        if m.code in Fix.__members__
+        Remedy(Fix[m.code], pairs_of(m.arguments)) for m in messages if m.code in Fix.__members__
     )
 
 
@@ -76,8 +120,7 @@ def remark_messages(remarks: Iterable[Remark]) -> list[msg.Remark]:
     return [
         msg.Remark(
             code=remark.code.name,
-            names=[name for name, _ in remark.arguments],
-            values=[value for _, value in remark.arguments],
+            arguments=pairs_message(remark.arguments),
             remedy=remedy_messages([remark.remedy])[0],
         )
         for remark in remarks
@@ -87,7 +130,7 @@ def remark_messages(remarks: Iterable[Remark]) -> list[msg.Remark]:
 def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
     """Return the remarks in messages, without kinds that this version does not know."""
     return tuple(
-        Remark(RemarkKind[m.code], tuple(zip(m.names, m.values, strict=False)), remedy)
+        Remark(RemarkKind[m.code], pairs_of(m.arguments), remedy)
         for m in messages
         for remedy in remedies_of([m.remedy])
         if m.code in RemarkKind.__members__
@@ -142,18 +185,17 @@ def order_message(commander: str, order: Order) -> msg.Order:
         order,
         commander=commander,
         order=order.name,
-        receivers=list(order.behaviors),
-        behaviors=list(order.behaviors.values()),
+        behaviors=pairs_message(order.behaviors.items()),
     )
 
 
 def order_of(message: msg.Order) -> Order:
-    """Return the order in a message, without receivers that have no behavior."""
+    """Return the order in a message."""
     return data_of(
         Order,
         message,
         name=message.order,
-        behaviors=dict(zip(message.receivers, message.behaviors, strict=False)),
+        behaviors=dict(pairs_of(message.behaviors)),
         report=tuple(message.report),
     )
 

@@ -23,24 +23,15 @@ STATUS_TYPE = "hitab_msgs/msg/AgentStatus"
 STATUS_TYPES = (STATUS_TYPE, "hitab_msgs/msg/WorldStatus")
 """Namespaces of agents and worlds. A swarm has one or both."""
 
-# Of an agent.
+# Of an agent, besides its operations (`hitab_core.operations`), whose services have their names.
 COMMAND = "command"
 STATUS = "status"
 TRANSITIONS = "transitions"
 TRAINING = "training"
 PERCEPT = "percept"
 PERCEIVED = "perceived"  # each percept taken in, for recordings
-BEGIN = "begin"
-SET_MODE = "set_mode"
 GET_REPORT = "get_report"
-ANSWER_QUESTION = "answer_question"
-SET_CAUTION = "set_caution"
-EDIT_EXAMPLES = "edit_examples"
-SAVE = "save"
-PERFORM = "perform"
 PERFORM_UNTIL_DONE = "perform_until_done"  # an action
-LOAD_LIBRARY = "load_library"
-DISTRIBUTE = "distribute"
 GET_VOCABULARY = "get_vocabulary"
 GET_BEHAVIOR = "get_behavior"
 READ_FEATURES = "read_features"

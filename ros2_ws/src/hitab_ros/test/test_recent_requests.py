@@ -3,11 +3,11 @@
 from types import SimpleNamespace
 
 import pytest
+from hitab_ros.recent_requests import RecentRequests
 
 from hitab_core.errors import HitabError
 from hitab_ros import recent_requests
 from hitab_ros.answering import answering
-from hitab_ros.recent_requests import RecentRequests
 
 
 class Clock:

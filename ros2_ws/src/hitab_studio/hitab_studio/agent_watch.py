@@ -121,14 +121,16 @@ class AgentWatch:
         if self.known.transitions[-1:] != tuple(self._events)[-1:]:
             self._know(transitions=tuple(self._events))
         # Saving an unchanged behavior changes its version and description, but not the digest.
-        ended = bool(self._trained) and not status.training
-        self._trained = status.training
+        ended = bool(self._trained) and not status.training.automaton
+        self._trained = status.training.automaton
         library_key = (status.library_digest, status.distribution)
         if library_key != self._library_key or ended or not self.known.vocabulary.domain:
             self._library_key = library_key
             self._current.clear()
             self._ask("vocabulary", SwarmClient.vocabulary, self._take_vocabulary)
-        self._take_training(self._agents.trainings.get(self._agent) if status.training else None)
+        self._take_training(
+            self._agents.trainings.get(self._agent) if status.training.automaton else None
+        )
         for name in self._needed(status) - self._current:
             self._ask(name, SwarmClient.behavior, partial(self._take_behavior, name), name)
         if (now := time.monotonic()) >= self._next_read:

@@ -212,6 +212,6 @@ def state_shown(status: msg.AgentStatus) -> str:
     This is the role given by a commander, or else the outermost active state.
     """
     path = status.active_path
-    if status.superior and status.mode == status.PERFORMING:
+    if status.order.commander and status.mode == status.PERFORMING:
         path = [status.behavior]
     return str(path[0].partition("(")[0]) if path else ""

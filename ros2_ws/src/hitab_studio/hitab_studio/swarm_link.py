@@ -176,7 +176,7 @@ class SwarmLink:
         """Return the last published training of a viewed agent; None if not training."""
         swarm = self._connected
         status = swarm.agents.statuses.get(agent) if swarm is not None else None
-        if swarm is None or status is None or not status.training:
+        if swarm is None or status is None or not status.training.automaton:
             return None
         return swarm.agents.trainings.get(agent)
 

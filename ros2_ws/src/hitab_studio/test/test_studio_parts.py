@@ -210,7 +210,7 @@ def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():
 def test_an_agent_is_colored_by_the_role_that_its_commander_gives_it():
     status = AgentStatus(mode="performing", behavior="Winger", active_path=["RunTo(spot)"])
     assert state_shown(status) == "RunTo"
-    status.superior = "captain"
+    status.order.commander = "captain"
     assert state_shown(status) == "Winger"
     status.mode = "training"
     assert state_shown(status) == "RunTo"

@@ -13,6 +13,7 @@ from hitab_client import domain_ids
 from hitab_client.errors import SwarmError
 from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
+from hitab_core.operations import Perform
 from hitab_studio import swarm_finder
 from hitab_studio.page_view import perform
 from hitab_studio.studio import Studio
@@ -181,7 +182,7 @@ def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_s
         assert not studio.known.statuses
         assert f"hitab studio {ELSEWHERE}" in render("overlay", page)
         for ask in (
-            lambda swarm: swarm.agents.perform.coroutine("keeper_1", ""),
+            lambda swarm: swarm.agents.do.coroutine("keeper_1", Perform()),
             lambda swarm: swarm.world.control.coroutine("pause"),
         ):
             with pytest.raises(SwarmError, match=f"{ELSEWHERE}, which was not started from here"):

@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.conversions import remedy_messages
+from hitab_ros.conversions import remedy_messages, values_message
 from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
@@ -104,8 +104,7 @@ class WorldTopics:
                 seconds=result.seconds,
                 ended=result.ended,
                 reproducible=self._run_state.reproducible,
-                measure_names=list(result.measures),
-                measures=[float(value) for value in result.measures.values()],
+                measures=values_message(result.measures.items()),
             )
         )
         self._note = ended

@@ -12,7 +12,7 @@ from rclpy.task import Future
 
 from hitab_core import FLAGS, Agent, Fix, Mode, Term, TrainingError
 from hitab_ros import GuardedNode, names
-from hitab_ros.answering import Answered, remedies_for, what_went_wrong
+from hitab_ros.answering import remedies_for, what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import term_of
 
@@ -47,7 +47,7 @@ class OfferedAction:
         self,
         node: GuardedNode,
         agent: Agent,
-        answered: Answered,
+        answered: Callable[[Exception | None], None],
         rest: Callable[[], None],
     ) -> None:
         """Offer the action.

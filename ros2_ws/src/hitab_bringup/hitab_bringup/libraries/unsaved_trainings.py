@@ -63,12 +63,12 @@ def announcements(
     sentences = []
     for status in sorted(statuses, key=lambda status: natural(status.agent)):
         if status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
-            agent = status.agent
+            agent, examples = status.agent, status.training.examples
             sentence = f'{agent} resumes the training of "{status.behavior}"'
-            sentence += f" ({quantity(status.examples, 'example')}) and waits for commands"
+            sentence += f" ({quantity(examples, 'example')}) and waits for commands"
             sentence += "; its group waits for its orders" if agent in commanders else ""
             ways = [Fix.TEST(agent=agent), Fix.SAVE(agent=agent), Fix.DISCARD(agent=agent)]
-            sentences.append(with_commands(sentence, ways if status.examples else ways[2:]))
+            sentences.append(with_commands(sentence, ways if examples else ways[2:]))
     for agent, library in waiting(folder):
         own = library.is_relative_to(folder / "libraries")
         way = "without --library" if own else f"with --library {library}"

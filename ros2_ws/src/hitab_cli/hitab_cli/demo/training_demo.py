@@ -28,6 +28,7 @@ from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
 from hitab_client.measures import SECONDS, estimate, values_of
 from hitab_client.shipped import find_file
 from hitab_core import HitabError, has, quantity
+from hitab_core.operations import Perform
 from hitab_world.demo import DEMO_ENTRY_POINTS, Demo
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def _evaluate(
 ) -> dict[str, Any]:
     """Play episodes in which all agents perform the taught behavior; return the results."""
     for agent in running.record.agents:
-        running.agents.perform(agent, demo.behavior)
+        running.agents.do(agent, Perform(demo.behavior))
     world = running.world
     with console.progress("playing", "episodes", line_every=LINE_EVERY) as advance:
         played = world.play(

@@ -64,18 +64,21 @@ def lines(
 def _doing(status: AgentStatus, training: str) -> str:
     path = " > ".join(status.active_path)
     if status.mode in (status.TRAINING, status.TESTING):
-        examples = quantity(status.examples, "example")
-        asks = f", {quantity(status.questions, 'question')}" if status.questions else ""
-        text = f'{status.mode} "{status.behavior}": {examples} ({status.default_examples} default)'
+        trained = status.training
+        examples = quantity(trained.examples, "example")
+        asks = f", {quantity(trained.questions, 'question')}" if trained.questions else ""
+        text = (
+            f'{status.mode} "{status.behavior}": {examples} ({trained.default_examples} default)'
+        )
         done = "performs nothing yet" if path in ("", START) else f"performs {path}"
         return f"{text}{asks}; {done}"
     done = path or status.behavior
     doing = f"{status.mode}: {done}" if done else str(status.mode)
-    if not status.examples:
+    if not status.training.examples:
         return doing
     name = f' of "{training}"' if training else ""
     return (
-        f"{doing}; the training{name} ({quantity(status.examples, 'example')}) is kept: "
+        f"{doing}; the training{name} ({quantity(status.training.examples, 'example')}) is kept: "
         "t continues it"
     )
 

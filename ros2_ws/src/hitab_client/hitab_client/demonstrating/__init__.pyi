@@ -3,10 +3,9 @@ from . import keyboard as keyboard
 from .demonstrator import Demonstrator as Demonstrator
 from .key_actions import EARLIER_SECONDS as EARLIER_SECONDS
 from .key_actions import command as command
-from .key_actions import other_mode as other_mode
-from .key_actions import outcome as outcome
 from .key_actions import put_earlier as put_earlier
 from .key_actions import simulated as simulated
+from .key_actions import toggled as toggled
 from .keyboard import KeyboardInput as KeyboardInput
 from .pressed import KEY_ACTIONS as KEY_ACTIONS
 from .pressed import Pressed as Pressed

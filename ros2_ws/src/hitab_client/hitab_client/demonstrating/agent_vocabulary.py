@@ -130,7 +130,7 @@ class WordsOfAgents:
             tuple(commandable),
             tuple(k for k in keys if k[0]),
             tuple(targets),
-            status.training,
+            status.training.automaton,
             numbers_of_behaviors(answer.behaviors),
         )
 
@@ -141,4 +141,9 @@ def _is_trained(status: AgentStatus) -> bool:
 
 def _state(status: AgentStatus) -> tuple[str, ...]:
     """Return the parts of a status that an agent's vocabulary depends on."""
-    return status.domain, status.library_digest, str(_is_trained(status)), status.training
+    return (
+        status.domain,
+        status.library_digest,
+        str(_is_trained(status)),
+        status.training.automaton,
+    )

@@ -18,7 +18,7 @@ from hitab_msgs.srv import Control
 
 from hitab_client.demonstrating.agent_vocabulary import AgentVocabulary, WordsOfAgents
 from hitab_client.demonstrating.behavior_keys import Keys
-from hitab_client.demonstrating.key_actions import command, other_mode, put_earlier
+from hitab_client.demonstrating.key_actions import command, put_earlier, toggled
 from hitab_client.demonstrating.pressed import Pressed, Prompt, UnseenOutcomes
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.errors import SwarmError
@@ -26,6 +26,7 @@ from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import START, HitabError, Term, natural, numbers_of, some
+from hitab_core.operations import Perform, Redo, SaveBehavior, TakeOver, Undo
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names
 
 KEY_AGE_MAX_S = 1.0
@@ -97,8 +98,8 @@ class Demonstrator:
         self._refused_until = -math.inf
         self._does = {
             "test": self._toggle,
-            "undo": lambda agent: str(agents.undo(agent).message),
-            "redo": lambda agent: str(agents.redo(agent).message),
+            "undo": lambda agent: str(agents.do(agent, Undo()).message),
+            "redo": lambda agent: str(agents.do(agent, Redo()).message),
             "earlier": lambda agent: put_earlier(agents, world, agent),
             "nothing": self._perform_nothing,
             "save": self._save,
@@ -337,16 +338,15 @@ class Demonstrator:
 
     def _toggle(self, agent: str) -> str:
         self.let_go()
-        mode = other_mode(self._agents.await_agent(agent))
-        return str(self._agents.set_mode(agent, mode).message)
+        return str(self._agents.do(agent, toggled(self._agents.await_agent(agent))).message)
 
     def _perform_nothing(self, agent: str) -> str:
         self.let_go()
-        self._agents.perform(agent, "")
+        self._agents.do(agent, Perform())
         return f"{agent} performs nothing"
 
     def _save(self, agent: str) -> str:
-        answer = self._agents.save(agent)
+        answer = self._agents.do(agent, SaveBehavior())
         left_out = f"; left out because unused: {some(answer.trimmed)}" if answer.trimmed else ""
         return f"{answer.message}: {answer.path}{left_out}"
 
@@ -370,8 +370,8 @@ class Demonstrator:
         if self._is_at_rest():
             return ""  # pressed twice before the first was carried out
         mode = self._agents.await_agent(agent).mode
-        self._agents.perform(agent, "")
+        self._agents.do(agent, Perform())
         if mode not in (AgentStatus.TRAINING, AgentStatus.TESTING):
             return f"{agent} performs nothing while you drive it by hand"
-        self._agents.set_mode(agent, AgentStatus.TRAINING)
+        self._agents.do(agent, TakeOver())
         return f"{agent} performs nothing while you drive it by hand; its training is at {START}"

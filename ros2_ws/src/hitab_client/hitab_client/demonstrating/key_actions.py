@@ -5,10 +5,17 @@ from __future__ import annotations
 from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 
 from hitab_client.errors import SwarmError
-from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS, SwarmClient
+from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import FLAGS, quantity
-from hitab_ros.call import blocking
+from hitab_core.operations import (
+    Command,
+    Operation,
+    Perform,
+    RetimeExamples,
+    TakeOver,
+    Test,
+)
+from hitab_ros.call import CALL_SECONDS, blocking
 
 EARLIER_SECONDS = 0.2
 """Time by which one key press dates a command back, in seconds of the person's time."""
@@ -22,9 +29,9 @@ async def command(
     behavior: str,
     *,
     seen: int,
-    sequence: int = 0,
-    seconds: float = ACKNOWLEDGE_SECONDS,
-    demonstrator: str = "",
+    id: str = "",
+    by: str = "",
+    seconds: float = CALL_SECONDS,
 ) -> str:
     """Command a behavior in training, or make the agent perform it; return the outcome.
 
@@ -37,32 +44,35 @@ async def command(
         behavior: behavior with its targets.
         seen: the world's cycle that the person saw; 0 for the last one. While the world runs, the
             agent estimates the person's reaction time before that cycle.
-        sequence: the command's number; 0 for a new number.
-        seconds: timeout for the agent's acknowledgement.
-        demonstrator: name of the demonstrator; empty for the client's own.
+        id: the same when the command is sent again, see `Operation`.
+        by: name of the demonstrator; empty for the client's own.
+        seconds: timeout for the agent's answer.
 
     Raises:
-        SwarmError: if the agent is missing, refuses, or does not acknowledge.
+        SwarmError: if the agent is missing, refuses, or does not answer.
     """
     status = await agents.await_agent.coroutine(agent)
     if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
-        await agents.perform.coroutine(agent, behavior)
-        kept = f': t continues that of "{status.training}"' if status.training else ""
+        await agents.do.coroutine(agent, Perform(behavior))
+        kept = (
+            f': t continues that of "{status.training.automaton}"'
+            if status.training.automaton
+            else ""
+        )
         return f"{agent} performs {behavior}; it learns from commands only in training{kept}"
     if status.mode == AgentStatus.TESTING:
-        await agents.set_mode.coroutine(agent, AgentStatus.TRAINING)
+        await agents.do.coroutine(agent, TakeOver())
     paused = world.status is not None and world.status.mode == WorldState.PAUSED
-    status = await agents.command.coroutine(
-        agent,
+    meant = Command(
         behavior,
         seen=0 if paused else seen,  # the paused world has not changed since
         pace=simulated(1.0, world.status, world.speed),
-        sequence=sequence,
-        seconds=seconds,
-        demonstrator=demonstrator,
-        world=world,
+        exact=paused,
+        id=id,
+        by=by,
     )
-    return outcome(agent, behavior, status)
+    answer = await agents.do.coroutine(agent, meant, seconds=seconds, world=world)
+    return str(answer.message)
 
 
 def simulated(seconds: float, status: WorldStatus | None, speed: float = 1.0) -> float:
@@ -91,17 +101,6 @@ def earlier(world: WorldClient) -> float:
     return simulated(EARLIER_SECONDS, status, world.speed) or EARLIER_SECONDS
 
 
-def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
-    """Return the outcome of a command, from the status that acknowledges it."""
-    state = behavior if behavior in FLAGS else next(iter(status.active_path), behavior)
-    done = f": {status.left} -> {state}" if status.left else f" performs {state}"
-    return (
-        f"{agent}{done}; {status.behavior} has "
-        f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
-        + (f"; {agent} {status.note}" if status.note else "")
-    )
-
-
 @blocking
 async def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
     """Date the last command back a little further; return a text with the total.
@@ -114,12 +113,11 @@ async def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> st
     if last is None:
         raise SwarmError("There is no command yet that could have been due earlier.")
     ago = round(last.ago + earlier(world), 3)
-    await agents.retime.coroutine(agent, [last.number], ago)
+    await agents.do.coroutine(agent, RetimeExamples([last.number], ago))
     now = {e.number: e for e in (await agents.training.coroutine(agent)).examples}[last.number]
     return f"{now.state} → {now.next_state}: {now.ago:.2f} s ago, instead of {last.ago:.2f} s ago"
 
 
-def other_mode(status: AgentStatus) -> str:
-    """Return the mode that one key switches to: testing or training."""
-    training = status.mode == AgentStatus.TRAINING
-    return AgentStatus.TESTING if training else AgentStatus.TRAINING
+def toggled(status: AgentStatus) -> Operation:
+    """Return the operation of the key for both: test what is trained, or take over."""
+    return Test() if status.mode == AgentStatus.TRAINING else TakeOver()

@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from hitab_msgs.msg import AgentStatus
 from hitab_msgs.srv import Control
 
 from hitab_client.errors import LessonError, SwarmError
@@ -38,7 +37,7 @@ from hitab_client.lessons.lesson import (
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
-from hitab_core import ExampleKind, HitabError, quantity, some
+from hitab_core import ExampleKind, HitabError, operations, quantity, some
 
 
 @dataclass
@@ -136,7 +135,7 @@ class LessonPlayer:
         with not_interrupted():
             for agent, automaton in self.begun.items():
                 try:
-                    outcomes.append(self.swarm.discard(agent).message)
+                    outcomes.append(self.swarm.do(agent, operations.DiscardTraining()).message)
                 except SwarmError as error:
                     outcomes.append(f'{agent} may still be training "{automaton}": {error}')
             self.begun.clear()
@@ -180,22 +179,21 @@ class LessonPlayer:
     def _begin(self, step: Begin) -> None:
         # An interruption must not hide whether the training has begun.
         with not_interrupted():
-            self.swarm.begin(
-                step.agent,
+            begin = operations.BeginTraining(
                 step.automaton,
-                features=list(step.features),
-                states=list(step.states),
-                parameters=list(step.parameters),
-                arguments=list(step.parameters.values()),
-                resume=step.resume,
-                classifier=step.classifier,
-                discard=self._discard and step.agent not in self.begun,
+                step.features,
+                step.states,
+                step.parameters,
+                step.resume,
+                step.classifier,
+                self._discard and step.agent not in self.begun,
             )
+            self.swarm.do(step.agent, begin)
             self.begun[step.agent] = step.automaton
 
     def _command(self, step: Command) -> None:
         term = step.term
-        self.swarm.command(step.agent, term.name, term.arguments, world=self.world)
+        self.swarm.do(step.agent, operations.Command(term.name, term.arguments), world=self.world)
         self.report.commands += 1
 
     def _told_now(self, step: Until) -> str:
@@ -224,23 +222,19 @@ class LessonPlayer:
         self.report.checks.append(f"never {step.condition.describe()} in {step.within:g} s")
 
     def _test(self, step: Test) -> None:
-        self.swarm.set_mode(step.agent, AgentStatus.TESTING, restart=step.restart)
+        self.swarm.do(step.agent, operations.Test(restart=step.restart))
 
     def _take_over(self, step: TakeOver) -> None:
-        self.swarm.set_mode(step.agent, AgentStatus.TRAINING)
+        self.swarm.do(step.agent, operations.TakeOver())
 
     def _undo(self, step: Undo) -> None:
-        self.swarm.undo(step.agent)
+        self.swarm.do(step.agent, operations.Undo())
 
     def _save(self, step: Save) -> None:
         with not_interrupted():
-            answer = self.swarm.save(
+            answer = self.swarm.do(
                 step.agent,
-                name=step.name,
-                bind_from=list(step.bind),
-                bind_to=list(step.bind.values()),
-                description=step.description,
-                keep_unused=step.keep_unused,
+                operations.SaveBehavior(step.name, step.bind, step.description, step.keep_unused),
             )
             self.begun.pop(step.agent, None)
         name = step.name or self.lesson.name
@@ -253,25 +247,22 @@ class LessonPlayer:
         self.report.trimmed = list(answer.trimmed)
 
     def _distribute(self, step: Distribute) -> None:
-        report = self.swarm.distribute(
-            step.agent,
-            step.term.name,
-            arguments=step.term.arguments,
-            receivers=step.receivers,
-            start=step.start,
+        sent = operations.Distribute(
+            step.term.name, step.term.arguments, step.receivers, step.start
         )
+        report = self.swarm.distribute(step.agent, sent)
         if missing := report.missing:
             raise LessonError("; ".join(f"{name} {why}" for name, why in missing.items()))
 
     def _perform(self, step: Perform) -> None:
         for agent in step.agents:
             if step.term is None:
-                self.swarm.perform(agent, "")
+                self.swarm.do(agent, operations.Perform())
                 self._performing.pop(agent, None)
                 continue
             # Note the training before it is confirmed: an interruption may come in between.
             self._performing[agent] = str(step.term)
-            self.swarm.perform(agent, step.term.name, step.term.arguments)
+            self.swarm.do(agent, operations.Perform(step.term.name, step.term.arguments))
 
     def _say(self, step: Say) -> None:
         """Do nothing: the progress report has shown the text."""

@@ -16,7 +16,12 @@ from typing import Any
 from hitab_core.errors import HitabError
 from hitab_core.example_codec import example_of
 from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.training_journal import RESUMED, TrainingJournal
+from hitab_core.training.training_journal import (
+    DISCARDED,
+    RESUMED,
+    SAVED,
+    TrainingJournal,
+)
 from hitab_core.training.undo import Edit
 
 PAUSE_SECONDS = 300.0
@@ -107,7 +112,9 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
     for record in rest:
         steps.append(str(record["do"]))
         # Retiming and other features do not change the number of examples.
-        edit = Edit() if steps[-1] in ("retime", "features") else log.prepared(record)
+        edit = (
+            Edit() if steps[-1] in ("retime_examples", "choose_features") else log.prepared(record)
+        )
         if edit is not None:
             log.make(edit)
     walls = [[float(begin["at"])]]
@@ -116,7 +123,7 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
             walls.append([])
         walls[-1].append(float(record["at"]))
     simulated = [float(record["time"]) for record in rest if "time" in record]
-    finished = bool(rest) and rest[-1]["do"] == "save"
+    finished = bool(rest) and rest[-1]["do"] == SAVED
     if not finished and now is not None:
         walls[-1].append(min(now, walls[-1][-1] + PAUSE_SECONDS))
     learned = sum(example.is_learned for example in log.examples)
@@ -130,7 +137,7 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
         len(log),
         max(0, len(begin["examples"]) + log.recorded - learned),
         steps.count("undo"),
-        1 + steps.count("features"),
+        1 + steps.count("choose_features"),
         sum(1 for record in rest if record.get("proposed")),
         finished,
     )
@@ -138,7 +145,9 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
 
 def has_steps(records: Iterable[Mapping[str, Any]]) -> bool:
     """Return whether a person has done anything in a training since it began."""
-    return any(record.get("do") not in ("begin", RESUMED) for record in records)
+    return any(
+        record.get("do") not in ("begin_training", DISCARDED, RESUMED) for record in records
+    )
 
 
 def _passed(times: list[float], longest: float) -> float:

@@ -74,7 +74,7 @@ class LateCommands:
         """Return when a command was due; None if the trainer has to refuse it."""
         with suppress(HitabError):
             given = command.given
-            if given.pace and not given.ago and self._trainer.history.is_past:
+            if given.pace and not given.exact and self._trainer.history.is_past:
                 return self._estimate(command)
             due = command.stated()  # the delay of the command is known
             return Proposal(due, (), self._correction(command, due))

@@ -280,7 +280,7 @@ class Questions:
                 wrong = {e.command or -e.number for e in group if e.next_state != label}
                 gone = sorted(number for command in wrong for number in recorded[command])
                 effect = f"deletes {numbered('example', gone)}"
-                choices.append(Choice(label, effect, {"do": "delete", "numbers": gone}))
+                choices.append(Choice(label, effect, {"do": "delete_examples", "numbers": gone}))
             numbers = tuple(example.number for example in group)
             text, state, place = question_texts.commanded(group), group[0].state, group[0].features
             answers = tuple(choices), numbers, place

@@ -23,8 +23,8 @@ if TYPE_CHECKING:  # importing it takes 10 ms, which most processes need not spe
     import sqlite3
 
 DATABASE_FILE = "agent.db"
-DATABASE_FORMAT = 3
-"""The format version that is written; 1 and 2 were journals of text."""
+DATABASE_FORMAT = 4
+"""The format version that is written; 1 and 2 were journals of text, 3 had no operations."""
 
 _SCHEMA = f"""
 CREATE TABLE training (id INTEGER PRIMARY KEY, waits TEXT);
@@ -38,6 +38,7 @@ _REMEDIES = {
     "SQLITE_CANTOPEN": "check its permissions, or use another folder",
 }
 MOVE_AWAY = "discard the training, or move this file away to start without it"
+OLDER = f"was written by an earlier HiTAB; save it with that, or {MOVE_AWAY}"
 
 
 class AgentDatabase:
@@ -137,8 +138,10 @@ class AgentDatabase:
 
     def _check_version(self, tables: sqlite3.Connection) -> int:
         (version,) = tables.execute("PRAGMA user_version").fetchone()
-        if version not in (0, DATABASE_FORMAT):
+        if version > DATABASE_FORMAT:
             raise LibraryError(f"{self.path}: {newer_format(version, DATABASE_FORMAT)}")
+        if 0 < version < DATABASE_FORMAT:
+            raise LibraryError(f"{self.path}: {OLDER}")
         return int(version)
 
     def append(

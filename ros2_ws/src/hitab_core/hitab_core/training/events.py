@@ -22,47 +22,25 @@ PACE_MAX = 1000.0
 """No person watches a world that is faster."""
 
 
-class Request(NamedTuple):
-    """A numbered command or edit, which may come again if its acknowledgement was lost."""
-
-    demonstrator: str
-    number: int
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Request:
-        """Return the request that a record of the journal carries out."""
-        demonstrator, number = record["request"]
-        return cls(str(demonstrator), int(number))
-
-
 @dataclass(frozen=True)
 class Given:
     """The circumstances of a command: who gives it, and when it was due.
 
     Attributes:
         cycle: the world's cycle, stored with the examples.
-        ago: time from when the command was due to what the demonstrator saw, s of simulated time.
         seen: the world's cycle that the demonstrator saw; 0 for the last one.
         pace: simulated seconds that pass for the demonstrator in a second; 0 if the situation
-            has waited. Without ``ago``, an assistant may estimate how late the command comes.
-        request: demonstrator and number, to recognize the command when it comes again.
+            has waited.
+        exact: whether the command is meant for the percept seen; else an assistant may estimate
+            how late it comes.
+        who: name of the demonstrator; empty if unknown.
     """
 
     cycle: int = 0
-    ago: float = 0.0
     seen: int = 0
     pace: float = 0.0
-    request: Request | None = None
-
-    @property
-    def who(self) -> str:
-        """The demonstrator; empty if unknown."""
-        return "" if self.request is None else self.request.demonstrator
-
-    @property
-    def record(self) -> dict[str, Any]:
-        """The part that the journal keeps."""
-        return {} if self.request is None else {"request": list(self.request)}
+    exact: bool = False
+    who: str = ""
 
     def check(self) -> None:
         """Check that a world can have this pace.

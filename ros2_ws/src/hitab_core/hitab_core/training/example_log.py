@@ -90,7 +90,7 @@ class ExampleLog:
                 return self.history.undo()
             case "redo":
                 return self.history.redo()
-            case "delete":
+            case "delete_examples":
                 wanted = self._known(record["numbers"])
                 return self.replacement((), f"deleted {these(wanted)}", wanted)
             case "add":
@@ -98,7 +98,7 @@ class ExampleLog:
                 kind, values = ExampleKind(record["kind"]), values_of(record["features"])
                 example = Example(state, values, to, kind, number, self.next_command)
                 return self.replacement([example], f"answered {state} → {to}")
-            case "relabel":
+            case "relabel_examples":
                 given = tuple(map(float, record.get("with", ())))
                 goes_on = record.get("goes_on")
                 return self._relabeling(record["numbers"], record["next_state"], given, goes_on)

@@ -159,7 +159,6 @@ class PerceptHistory:
         running: RunningAutomaton,
         features: Sequence[Term],
         cycle: int,
-        ago: float,
         seen: int,
     ) -> PerceptRecord:
         """Return the moment at which a command was due.
@@ -168,21 +167,17 @@ class PerceptHistory:
             running: the performed behavior.
             features: features of the automaton in training.
             cycle: the world's cycle, now.
-            ago, seen: see `at`.
+            seen: the world's cycle that the demonstrator saw; 0 for the last one.
 
         Raises:
             TrainingError: if that moment is not kept.
             FeatureValueError: see `FeatureVector.read`.
         """
-        if ago or seen:
-            due = self.at(ago, seen)
+        if seen:
+            due = self.at(0.0, seen)
             entered = self._entered
             if entered is not None and due.time <= entered.time:
                 due = entered  # no command was due before the person's previous command
-            if not self.shows(due, features):  # nothing was sensed for a moment
-                near = [m for m in self._since_entered() if abs(m.time - due.time) <= ago]
-                shown = [m for m in near if self.shows(m, features)]
-                due = nearest(shown, due.time) if shown else due
             if due.time < self.time:
                 return due
         # The present one, with the values that the next decision would use.

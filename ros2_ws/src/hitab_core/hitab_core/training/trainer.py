@@ -157,7 +157,7 @@ class Trainer:
         proposal = self._due(str(state), given)
         examples = self._examples(state, numbers, proposal.due)
         record: Record = {"do": "command", "examples": list(map(example_record, examples))}
-        record = {**record, **self.history.around(proposal.due), **proposal.record, **given.record}
+        record = {**record, **self.history.around(proposal.due), **proposal.record}
         self._do(record, self.log.addition(examples, proposal.settled))
         self._go_to(state, numbers, proposal.due)
         self.note, self._taken_over = "", False
@@ -199,7 +199,7 @@ class Trainer:
         """Return when a command was due: by an assistant's estimate, or as the person states."""
         given.check()
         running, features = self.running, self.curriculum.features
-        stated = partial(self.history.due, running, features, given.cycle, given.ago, given.seen)
+        stated = partial(self.history.due, running, features, given.cycle, given.seen)
         taken_over_in = running.active if self._taken_over else ""
         proposal = self.events.commanded(CommandGiven(label, given, taken_over_in, stated))
         return proposal or Proposal(stated())
@@ -232,7 +232,7 @@ class Trainer:
 
     def take_over(self) -> None:
         """Switch to training mode, in the active state: the demonstrator decides."""
-        self._do({"do": "train"})
+        self._do({"do": "take_over"})
         self.events.interrupted(self.running.active)
         self._taken_over, self.testing = self.testing, False
 

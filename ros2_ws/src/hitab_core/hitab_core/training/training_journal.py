@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,14 +13,19 @@ from hitab_core.errors import FolderInUseError, HitabError, LibraryError, Traini
 from hitab_core.example import Example
 from hitab_core.example_codec import example_record
 from hitab_core.term import Term
-from hitab_core.training.agent_database import MOVE_AWAY, AgentDatabase
+from hitab_core.training.agent_database import MOVE_AWAY, OLDER, AgentDatabase
 from hitab_core.training.curriculum import Curriculum
 
 if TYPE_CHECKING:
     import sqlite3
 
+    from hitab_core.operations import Operation
+
 RESUMED = "resume"
 """Journal entry for the moment at which another process resumes a training."""
+
+DISCARDED = "discard_training"
+SAVED = "save_behavior"
 
 Record = Mapping[str, Any]
 
@@ -37,6 +43,7 @@ class TrainingJournal:
     Attributes:
         people: texts about demonstrators, by name; on disk once a training ends.
         under_way: number of the training that this process keeps in it; 0 if none.
+        done: ids of the operations on disk that a process before this one has done.
         damage: why the training on disk cannot be resumed, and the way out; empty if none is
             there, or it was resumed.
     """
@@ -52,7 +59,24 @@ class TrainingJournal:
         self.people: dict[str, str] = {}
         self.under_way = self._written = 0  # with how many records
         self.damage = ""
+        self.done: list[str] = []
         self._domain = domain
+        self._operation: Operation | None = None
+
+    @contextmanager
+    def recording(self, operation: Operation) -> Iterator[None]:
+        """Add the id and the person of an operation to the records that are written meanwhile."""
+        self._operation = operation
+        try:
+            yield
+        finally:
+            self._operation = None
+
+    def _completed(self, record: Record) -> Record:
+        """Return a record with the operation that it belongs to, and the time."""
+        of = self._operation
+        done_by = {} if of is None or not of.id else {"id": of.id, "by": of.by}
+        return {**record, **done_by, "at": time.time()}
 
     def begin(
         self, curriculum: Curriculum, examples: Iterable[Example], readable: Iterable[Term]
@@ -70,12 +94,11 @@ class TrainingJournal:
         if self._database is None:
             return
         first = {
-            "do": "begin",
+            "do": "begin_training",
             "domain": self._domain,
             "curriculum": curriculum.to_record(),
             "examples": [example_record(e) for e in examples],
             "readable": [str(term) for term in readable],
-            "at": time.time(),
         }
         if self.damage:
             self._database.put_aside_if_damaged()
@@ -83,7 +106,7 @@ class TrainingJournal:
             tables.execute(_END)
             training = tables.execute("INSERT INTO training (waits) VALUES ('')").lastrowid
             assert training is not None
-            self._database.append(tables, training, 1, first)
+            self._database.append(tables, training, 1, self._completed(first))
         self.under_way, self._written, self.damage = training, 1, ""
 
     def write(self, record: Mapping[str, object]) -> None:
@@ -93,7 +116,7 @@ class TrainingJournal:
             LibraryError: if it cannot be written.
         """
         if self._database is not None and self.under_way:
-            record = {**record, "at": time.time()}
+            record = self._completed(record)
             with self._database.transaction(keep=True) as tables:
                 self._database.append(tables, self.under_way, self._written + 1, record)
             self._written += 1
@@ -149,6 +172,7 @@ class TrainingJournal:
         if self._database is not None and (self.under_way or self.damage):
             if self.damage:
                 self._database.put_aside_if_damaged()
+            self.write({"do": DISCARDED})
             self._end(self._database)
         self.damage = ""
 
@@ -190,9 +214,7 @@ class TrainingJournal:
         text = database.path.with_name("training.jsonl")
         if not database.path.exists():
             if text.exists():
-                self.damage = (
-                    f"{text}: was written by an earlier HiTAB; save it with that, or {MOVE_AWAY}"
-                )
+                self.damage = f"{text}: {OLDER}"
             return None
         resumed = None
         try:
@@ -229,6 +251,8 @@ class TrainingJournal:
         if tables.execute("PRAGMA schema_version").fetchone() == (0,):
             return None  # the process was killed before it had made the tables
         self.people.update(tables.execute("SELECT name, lateness FROM person"))
+        last = tables.execute("SELECT text FROM record ORDER BY key DESC LIMIT 1").fetchone()
+        self.done = _ids(map(json.loads, last or ()))
         training: int | None
         (training,) = tables.execute(f"SELECT {_CURRENT}").fetchone()
         return training
@@ -242,11 +266,18 @@ class TrainingJournal:
         """Return the training that its records describe; None if it was saved."""
         records = [record for record in records if record.get("do") != RESUMED]
         begin, last = records[0], records[-1]
-        if last["do"] == "save" and has_saved(str(last["automaton"]), str(last["checksum"])):
+        if last["do"] == SAVED and has_saved(str(last["automaton"]), str(last["checksum"])):
             # The process was killed after saving the behavior and before ending the training.
             return None
         if begin["domain"] != self._domain:
             raise TrainingError(
                 f'it is of domain "{begin["domain"]}", and the agent has "{self._domain}"'
             )
+        # A save in the journal may have been interrupted before it was in the library.
+        self.done = _ids(record for record in records if record["do"] != SAVED)
         return replay(records)
+
+
+def _ids(records: Iterable[Record]) -> list[str]:
+    """Return the ids of the operations in records."""
+    return [str(record["id"]) for record in records if "id" in record]

@@ -181,7 +181,7 @@ async def toggle(page: Page, data: Data) -> None:
         raise SwarmError(nothing_in_training(page))
     mode = demonstrating.other_mode(status)
     answer = await page.request(SwarmClient.set_mode, mode)
-    if mode == "testing" and status.questions:
+    if mode == "testing" and status.training.questions:
         page.tell(answer_text(answer), "note")
 
 
@@ -240,8 +240,8 @@ async def discard(page: Page, data: Data) -> None:
     status = page.status
     if status is None or not page.is_training:
         return
-    if status.examples:
-        page.open_dialog("discard", name=status.behavior, examples=status.examples)
+    if status.training.examples:
+        page.open_dialog("discard", name=status.behavior, examples=status.training.examples)
     else:
         await discard_now(page, data)
 

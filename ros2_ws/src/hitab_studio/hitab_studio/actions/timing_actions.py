@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from hitab_client import SwarmError
 from hitab_client.demonstrating import put_earlier
+from hitab_core.operations import RetimeExamples
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 from hitab_studio.person_names import checked
@@ -39,7 +40,7 @@ async def retime(page: Page, data: Data) -> None:
         raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
 
     async def retimed(swarm: Connected, agent: str) -> float:
-        await swarm.agents.retime.coroutine(agent, [number], ago)
+        await swarm.agents.do.coroutine(agent, RetimeExamples([number], ago))
         examples = (await swarm.agents.training.coroutine(agent)).examples
         return next((e.ago for e in examples if e.number == number), ago)  # rounded to a cycle
 

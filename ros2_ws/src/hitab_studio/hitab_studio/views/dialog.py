@@ -44,7 +44,7 @@ def context(page: Page) -> dict[str, Any]:
             "running": world is not None and world.mode != "paused",
             "others": sorted({p.name for p in page.studio.held.values() if not page.is_same(p)}),
             "targets": vocabulary.targets,
-            "unsaved": status.examples if status is not None else 0,
+            "unsaved": status.training.examples if status is not None else 0,
             "saved": _saved(page),
         }
     if kind == "features":
@@ -61,7 +61,7 @@ def context(page: Page) -> dict[str, Any]:
     if kind == "caution":
         found |= {
             "when_unsure": WHEN_UNSURE,
-            "now_unsure": page.status.when_unsure if page.status is not None else "",
+            "now_unsure": page.status.caution.when_unsure if page.status is not None else "",
         }
     if kind == "name":
         found |= {"demonstrator": page.demonstrator, "longest_name": NAME_LENGTH_MAX}

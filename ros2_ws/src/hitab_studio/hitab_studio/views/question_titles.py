@@ -21,4 +21,6 @@ TITLES = {
 def when_unsure(page: Page) -> str:
     """Return the agent's setting for unsure decisions, for people."""
     status = page.status
-    return WHEN_UNSURE.get(status.when_unsure if status is not None else "", ("go on", ""))[0]
+    return WHEN_UNSURE.get(
+        status.caution.when_unsure if status is not None else "", ("go on", "")
+    )[0]

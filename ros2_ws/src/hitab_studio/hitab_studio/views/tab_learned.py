@@ -122,7 +122,7 @@ def _label(event: Any) -> str:
 def _because(page: Page, event: Any) -> str:
     """Return the reason for a state change."""
     seen = ", ".join(
-        f"{feature} = {measured(page, feature, value)}"
-        for feature, value in zip(event.features, event.values, strict=True)
+        f"{feature.name} = {measured(page, feature.name, feature.value)}"
+        for feature in event.features
     )
     return "commanded" if event.commanded else seen or "always"

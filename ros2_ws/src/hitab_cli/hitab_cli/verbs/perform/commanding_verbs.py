@@ -11,7 +11,8 @@ from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_client.cli_remedies import called, with_commands
-from hitab_core import FeatureKind, Fix, HitabError, Term, quantity
+from hitab_core import FeatureKind, Fix, HitabError, quantity
+from hitab_core.operations import Command, Distribute, Perform, RetimeExamples, Undo
 
 Targets = Annotated[
     list[str] | None,
@@ -52,32 +53,27 @@ def demonstrate(
       hitab demonstrate keeper_1 Done
       hitab demonstrate keeper_1 TurnToBall --unrecorded
     """
-    term = Term.parse(behavior)
+    command = Command(behavior, targets or (), unrecorded=unrecorded)
     with connection(swarm) as swarm_up:
-        due, seen = _due(swarm_up, agent, ago) if ago and not unrecorded else (0.0, 0)
-        from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
-
-        status = swarm_up.agents.command(
-            agent,
-            term.name,
-            [*term.arguments, *(targets or [])],
-            ago=due,
-            seen=seen,
-            unrecorded=unrecorded,
-            world=swarm_up.world,
-        )
-    console.say(outcome(agent, term.name, status))
-    tell_faults(status)
-    if status.questions:
-        questions = quantity(status.questions, "question")
+        answer = swarm_up.agents.do(agent, command, world=swarm_up.world)
+        if ago and answer.examples:
+            late = RetimeExamples(answer.examples, _passed(swarm_up, ago))
+            try:
+                swarm_up.agents.do(agent, late)
+            except HitabError:
+                swarm_up.agents.do(agent, Undo())
+                raise
+    console.say(answer.message)
+    tell_faults(answer.status)
+    if answer.status.training.questions:
+        questions = quantity(answer.status.training.questions, "question")
         console.say(with_commands(questions, [Fix.QUESTIONS(agent=agent)]))
 
 
-def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
-    """Return a command's delay, s of simulated time, and the cycle from which it counts back.
+def _passed(swarm_up: Connection, ago: float) -> float:
+    """Return the simulated time from some seconds before this command was entered until now, s.
 
-    The delay counts from when the person pressed Enter. The start of this process and its search
-    for the agent are not part of the reaction time: the world went on meanwhile, unseen.
+    The world goes on while this process starts and looks for the agent.
     """
     import time
 
@@ -85,16 +81,9 @@ def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
 
     from hitab_client.demonstrating import simulated
 
-    swarm_up.agents.await_agent(agent)
     swarm_up.await_world()
-    world = swarm_up.world
-    due, passed = (
-        simulated(seconds, world.status, world.speed)
-        for seconds in (ago, time.time() - psutil.Process().create_time())
-    )
-    if world.status is None:
-        return due + passed, 0  # a robot's cycles are numbered by its agent
-    return due, world.cycle_before(passed) if passed else 0
+    seconds = ago + time.time() - psutil.Process().create_time()
+    return simulated(seconds, swarm_up.world.status, swarm_up.world.speed)
 
 
 def perform(
@@ -114,13 +103,11 @@ def perform(
       hitab perform keeper_1 Keepaway
       hitab perform keeper_1
     """
-    term = Term.parse(behavior) if behavior else Term("")
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.perform(agent, term.name, [*term.arguments, *(targets or [])])
-        status = swarm_up.agents.statuses[agent]
-    console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")
+        answer = swarm_up.agents.do(agent, Perform(behavior, targets or ()))
+    console.say(answer.message)
     if behavior:
-        tell_faults(status)
+        tell_faults(answer.status)
 
 
 def distribute(
@@ -145,7 +132,6 @@ def distribute(
       hitab distribute keeper_1 Keepaway --start
       hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
     """
-    term = Term.parse(behavior)
     if targets and not start:
         raise typer.BadParameter(
             f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
@@ -154,10 +140,7 @@ def distribute(
     with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
         report = swarm_up.agents.distribute(
             agent,
-            term.name,
-            arguments=[*term.arguments, *(targets or [])],
-            receivers=to or [],
-            start=start,
+            Distribute(behavior, targets or (), to or (), start),
             progress=lambda done, total: advance(done, total, ""),
         )
     console.note(report.message)

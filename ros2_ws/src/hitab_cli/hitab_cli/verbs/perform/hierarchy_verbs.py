@@ -12,6 +12,7 @@ from hitab_client import SwarmError, completion, console
 from hitab_client.cli_options import JsonPath, SwarmName
 from hitab_client.cli_remedies import with_commands
 from hitab_core import Fix, Term, has, quantity
+from hitab_core.operations import Perform
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -212,7 +213,7 @@ def order(
         more = WAIT_SECONDS + swarm_up.agents.more_seconds
         view.await_groups(more if commander in started else GROUP_SECONDS, (commander,))
         _refuse_agent(commander, behavior, view.groups)
-        swarm_up.agents.perform(commander, term.name, term.arguments)
+        swarm_up.agents.do(commander, Perform(term.name, term.arguments))
         swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(term)), 2.0)
         group = view.groups[commander]
     obeying = sum(member.obeys for member in group.subordinates)
@@ -223,8 +224,8 @@ def order(
     if status.mode == "performing" and status.behavior != str(term):
         again = Fix.PERFORM(agent=commander, behavior=status.behavior)
         console.note(with_commands(f"before, it performed {status.behavior}", [again]))
-    if status.superior:
-        console.note(f"{status.superior} commands {commander}; its next order replaces this one")
+    if superior := status.order.commander:
+        console.note(f"{superior} commands {commander}; its next order replaces this one")
 
 
 def _refuse_agent(name: str, behavior: str, commanders: Collection[str]) -> None:

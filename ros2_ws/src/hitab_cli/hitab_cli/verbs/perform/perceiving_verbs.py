@@ -67,7 +67,7 @@ def why(agent: AgentName, swarm: SwarmName = None) -> None:
             return f"{name} = {_value(value, kind, unit)} {shown_unit(unit)}".rstrip()
 
         def show_event(event: TransitionEvent) -> None:
-            looked_at = ", ".join(map(seen, event.features, event.values))
+            looked_at = ", ".join(seen(f.name, f.value) for f in event.features)
             because = "commanded" if event.commanded else looked_at or "always"
             change = f"{'/'.join(event.automaton)}: {event.from_state} -> {event.to_state}"
             console.say(f"cycle {event.cycle}: {change} ({because})")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -21,9 +20,11 @@ if TYPE_CHECKING:
     from hitab_client.run_processes import Silence
 
 AGENT_FIELDS = (
-    "domain mode behavior active_path examples default_examples cycle library_digest last_error "
-    "faults stopped when_out_of_reach note unsure questions remarks"
+    "domain mode behavior active_path cycle library_digest last_error faults armed stopped "
+    "when_out_of_reach note"
 )
+TRAINING_FIELDS = "examples default_examples questions remarks"
+CAUTION_FIELDS = "when_unsure unsure"
 WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
 """Shown fields of statuses."""
 
@@ -109,10 +110,11 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
     agents = [
         {
             "agent": name,
-            "training": status.training,
+            "training": status.training.automaton,
             **plain(status, AGENT_FIELDS),
+            **plain(status.training, TRAINING_FIELDS),
+            **plain(status.caution, CAUTION_FIELDS),
             "remedies": list(map(as_command, remedies_of(status.remedies))),
-            "refused_at": status.refused_at.sec or None,
         }
         for name, status in sorted(swarm_up.agents.statuses.items())
     ]
@@ -219,8 +221,6 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     faults, last = status["faults"], status["last_error"]
     # The last error may be old: present errors are among the faults.
     what = "last refusal" if "agent" in status else "last error"
-    if status.get("refused_at"):
-        what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
     problems = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
     if status.get("unsure"):
         problems.append(f"unsure: {status['unsure']}")

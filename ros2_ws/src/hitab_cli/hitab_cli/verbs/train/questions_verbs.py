@@ -12,6 +12,7 @@ from hitab_cli.verbs.verb_connection import connection
 from hitab_client import console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_client.cli_remedies import called, with_commands
+from hitab_core.operations import AnswerQuestion
 
 
 def questions(
@@ -46,7 +47,7 @@ def questions(
     with connection(swarm) as swarm_up:
         if number is not None:
             dismissed = answer is None
-            done = swarm_up.agents.answer(agent, number, choice, dismiss=dismissed)
+            done = swarm_up.agents.do(agent, AnswerQuestion(number, choice, dismiss=dismissed))
             console.say(done.message)
             return
         found = swarm_up.agents.training(agent, searched=True)

@@ -14,6 +14,14 @@ from hitab_client import console
 from hitab_client.cli_options import AgentName, SwarmName
 from hitab_client.cli_remedies import called
 from hitab_core import has, quantity
+from hitab_core.operations import (
+    BeginTraining,
+    DiscardTraining,
+    SaveBehavior,
+    SetCaution,
+    TakeOver,
+    Test,
+)
 
 UNASKED_MAX = 3
 """Number of commands that are discarded without confirmation, since they are quickly repeated."""
@@ -67,19 +75,18 @@ def train(
         )
     with connection(swarm) as swarm_up:
         if taking_over:
-            answer = swarm_up.agents.set_mode(agent, "training")
+            answer = swarm_up.agents.do(agent, TakeOver())
         else:
-            answer = swarm_up.agents.begin(
-                agent,
+            begin = BeginTraining(
                 automaton or resume_from,
-                features=feature or [],
-                states=state or [],
-                parameters=list(bound),
-                arguments=list(bound.values()),
-                resume=resume_from or (automaton if resume and automaton else ""),
-                classifier=classifier,
-                discard=discard,
+                feature or (),
+                state or (),
+                bound,
+                resume_from or (automaton if resume and automaton else ""),
+                classifier,
+                discard,
             )
+            answer = swarm_up.agents.do(agent, begin)
     console.say_answer(answer)
 
 
@@ -118,9 +125,9 @@ def start_testing(
     """
     with connection(swarm) as swarm_up:
         if when_unsure or distance:
-            cautious = swarm_up.agents.set_caution(agent, when_unsure, distance=distance)
+            cautious = swarm_up.agents.do(agent, SetCaution(when_unsure, distance=distance))
             console.say(cautious.message)
-        answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
+        answer = swarm_up.agents.do(agent, Test(restart=restart))
         status = swarm_up.agents.statuses[agent]
     console.say_answer(answer)
     tell_faults(status)
@@ -170,13 +177,14 @@ def save(
     """
     bound = _bound(bind or [])
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.save(
+        answer = swarm_up.agents.do(
             agent,
-            name=name,
-            bind_from=list(bound),
-            bind_to=list(bound.values()),
-            description=description,
-            keep_unused=keep_unused,
+            SaveBehavior(
+                name,
+                bound,
+                description,
+                keep_unused,
+            ),
         )
         targets = swarm_up.agents.vocabulary(agent).targets if bound else []
     console.say_answer(answer, f"{answer.message}: {answer.path}")
@@ -210,11 +218,12 @@ def discard(
     with connection(swarm) as swarm_up:
         if not yes and _is_terminal():
             status = swarm_up.agents.await_agent(agent)
-            if status.examples - status.default_examples > UNASKED_MAX:
-                examples = quantity(status.examples, "unsaved example")
-                question = f'Discard the training of "{status.training}" with its {examples}?'
+            training = status.training
+            if training.examples - training.default_examples > UNASKED_MAX:
+                examples = quantity(training.examples, "unsaved example")
+                question = f'Discard the training of "{training.automaton}" with its {examples}?'
                 typer.confirm(question, abort=True, err=True)
-        answer = swarm_up.agents.discard(agent)
+        answer = swarm_up.agents.do(agent, DiscardTraining())
     console.say_answer(answer)
 
 
