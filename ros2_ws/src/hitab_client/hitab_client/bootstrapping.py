@@ -207,7 +207,7 @@ class Bootstrapping:
         self.swarm.begin(
             agent,
             what.name,
-            states=list(what.chosen),
+            states=list(what.chosen_states),
             parameters=list(what.parameters) if bound else [],
             arguments=list(bound),
             resume=f"{what.name}@{version}",

@@ -1,4 +1,5 @@
 from . import arrays as arrays
+from . import codec as codec
 from .action_behavior import ActionBehavior as ActionBehavior
 from .action_behavior import ActionCall as ActionCall
 from .action_behavior import FeedbackFeature as FeedbackFeature

@@ -5,15 +5,12 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
-from operator import attrgetter
-from typing import Any, TypeVar
+from typing import Any
 
 from hitab_msgs import msg
 
 from hitab_core import (
     BoundedNumber,
-    Example,
-    ExampleKind,
     Feature,
     Fix,
     Remark,
@@ -23,31 +20,45 @@ from hitab_core import (
     Term,
 )
 from hitab_core.assistant import TrainingCost
-from hitab_core.orders import Order, Report
-
-Data = TypeVar("Data")
-
-
-@functools.cache
-def _shared(kind: Any, data: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]]]:
-    """Return the fields that a message and a dataclass share, and a function that reads them."""
-    shared = {field.name for field in fields(data)}
-    names = tuple(name for name in kind.get_fields_and_field_types() if name in shared)
-    return names, attrgetter(*names)
+from hitab_core.codec import from_dict
+from hitab_core.orders import Order
 
 
 def message_of(kind: Any, data: Any, /, **others: Any) -> Any:
-    """Return a message with the values of a dataclass's fields, except for ``others``."""
+    """Return a message with the fields of a dataclass, except for ``others``.
+
+    `hitab_core.codec.from_dict` reads it.
+
+    Args:
+        kind: class of the message.
+        data: a dataclass, which may contain others where the message contains messages.
+        others: values of further fields of the message.
+    """
     kinds: Any = (kind, type(data))
-    names, read = _shared(*kinds)
-    return kind(**{**dict(zip(names, read(data), strict=True)), **others})
+    shared = {
+        name: write(getattr(data, name)) for name, write in _shared(*kinds) if name not in others
+    }
+    return kind(**shared, **others)
 
 
-def data_of(kind: type[Data], message: Any, /, **others: Any) -> Data:
-    """Return a dataclass with the values of a message's fields, except for ``others``."""
-    kinds: Any = (type(message), kind)
-    names, read = _shared(*kinds)
-    return kind(**{**dict(zip(names, read(message), strict=True)), **others})
+@functools.cache
+def _shared(kind: Any, data: Any) -> list[tuple[str, Callable[[Any], Any]]]:
+    """Return the fields that a message and a dataclass share, and functions that write them."""
+    there = {field.name for field in fields(data)}
+    types = kind.get_fields_and_field_types()
+    return [(name, _writer(types[name])) for name in types if name in there]
+
+
+def _writer(of_type: str) -> Callable[[Any], Any]:
+    inner = of_type.removeprefix("sequence<").removesuffix(">")
+    package, _, name = inner.rpartition("/")
+    if package == "hitab_msgs":
+        write: Callable[[Any], Any] = functools.partial(message_of, getattr(msg, name))
+    elif inner == "string":
+        write = str  # of a term or an enumeration as well
+    else:
+        return lambda value: value
+    return write if inner == of_type else lambda values: list(map(write, values))
 
 
 def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
@@ -94,23 +105,6 @@ def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
     )
 
 
-def example_message(example: Example) -> msg.Example:
-    """Return an example as a message."""
-    return message_of(msg.Example, example, values=example.features, kind=example.kind.value)
-
-
-def example_of(message: Any) -> Example:
-    """Return the example in a message."""
-    return data_of(
-        Example,
-        message,
-        features=tuple(message.values),
-        kind=ExampleKind(message.kind),
-        readings=tuple(message.readings),
-        numbers=tuple(message.numbers),
-    )
-
-
 def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
     """Return the numbers of a behavior as messages."""
     return [message_of(msg.Number, number) for number in numbers]
@@ -119,7 +113,9 @@ def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
 def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumber, ...]]:
     """Return the numbers of the behaviors in messages that take numbers, by name."""
     return {
-        Term.parse(behavior.name).name: tuple(data_of(BoundedNumber, n) for n in behavior.numbers)
+        Term.parse(behavior.name).name: tuple(
+            from_dict(BoundedNumber, number) for number in behavior.numbers
+        )
         for behavior in messages
         if behavior.numbers
     }
@@ -149,18 +145,8 @@ def order_message(commander: str, order: Order) -> msg.Order:
 
 def order_of(message: msg.Order) -> Order:
     """Return the order in a message, without receivers that have no behavior."""
-    return data_of(
-        Order,
-        message,
-        name=message.order,
-        behaviors=dict(zip(message.receivers, message.behaviors, strict=False)),
-        report=tuple(message.report),
-    )
-
-
-def report_message(report: Report) -> msg.Report:
-    """Return a report as a message."""
-    return message_of(msg.Report, report)
+    behaviors = dict(zip(message.receivers, message.behaviors, strict=False))
+    return from_dict(Order, message, name=message.order, behaviors=behaviors)
 
 
 def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> msg.Feature:
@@ -186,4 +172,4 @@ def cost_message(cost: TrainingCost) -> msg.TrainingCost:
 
 def cost_of(message: Any) -> TrainingCost:
     """Return the cost of a training in a message."""
-    return data_of(TrainingCost, message)
+    return from_dict(TrainingCost, message)

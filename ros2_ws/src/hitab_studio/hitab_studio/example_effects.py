@@ -73,9 +73,9 @@ def most_probable(distribution: Mapping[str, float]) -> str:
 
 def _rules(learned: Learned) -> list[str]:
     rules = []
-    for state in (START, *(learned.automaton.labels if learned.automaton else ())):
-        tree = learned.trees.get(state)
-        for rule in tree.rules(learned.features) if tree else ():
+    for state in (START, *learned.labels):
+        tree = learned.transitions.get(state)
+        for rule in tree.rules(learned.feature_labels) if tree else ():
             words, _, _ = str(rule).rpartition(" (")  # without the number of examples
             rules.append(f"{state}: {words}")
     return rules

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.example import Example
@@ -77,16 +76,6 @@ class Expectation:
         most = max(odds.values())
         likely = [label for label, p in odds.items() if p == most]
         return likely[0] if len(likely) == 1 else f"by chance among {', '.join(sorted(likely))}"
-
-    def record(self) -> dict[str, Any]:
-        """Return the entry in a behavior file."""
-        return {
-            "name": self.name,
-            "state": self.state,
-            "features": dict(self.features),
-            "next_state": self.next_state,
-            "blocks": self.blocks,
-        }
 
 
 def broken_expectations(
