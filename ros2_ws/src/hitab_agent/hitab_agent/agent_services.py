@@ -324,7 +324,7 @@ class AgentServices:
         words += [
             (term, domain.feature(term.name)) for term in OWN_FEATURES if term.name not in FLAGS
         ]
-        response.features = [feature_message(str(term), feature) for term, feature in words]
+        response.features = [feature_message(term, feature) for term, feature in words]
         response.targets = sorted(domain.targets)
         return response
 

@@ -28,10 +28,7 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
             for name in sorted({state.name for state in automaton.states})
             if (numbers := domain.numbers_of(Term(name)))
         ],
-        features=[
-            feature_message(str(term), domain.feature(term.name), domain.scale_of(term))
-            for term in automaton.features
-        ],
+        features=[feature_message(term, domain.feature(term.name)) for term in automaton.features],
         trees=[
             msg.TransitionTree(
                 state=state,

@@ -23,9 +23,10 @@ Convert = Callable[[Any], Any]
 
 def to_dict(data: Any, without: Iterable[str] = ()) -> dict[str, Any]:
     """Return a dataclass as plain data, except for some of its fields."""
-    kind: Any = type(data)
     return {
-        name: write(getattr(data, name)) for name, write, _ in _fields(kind) if name not in without
+        name: write(getattr(data, name))
+        for name, write, _ in _fields(data.__class__)
+        if name not in without
     }
 
 
@@ -45,7 +46,7 @@ def from_dict(kind: type[Data], record: Any, /, **others: Any) -> Data:
     return kind(**fields_of(kind, record, others), **others)
 
 
-def fields_of(kind: type, record: Any, without: Iterable[str] = ()) -> dict[str, Any]:
+def fields_of(kind: Any, record: Any, without: Iterable[str] = ()) -> dict[str, Any]:
     """Return the fields that a dataclass and a record share; see `from_dict`."""
     if isinstance(record, dict):
         return {
@@ -53,7 +54,7 @@ def fields_of(kind: type, record: Any, without: Iterable[str] = ()) -> dict[str,
             for name, _, read in _fields(kind)
             if name in record and name not in without
         }
-    shared = _shared(kind, type(record))
+    shared = _shared(kind, record.__class__)
     return {name: read(getattr(record, name)) for name, read in shared if name not in without}
 
 

@@ -16,7 +16,6 @@ from hitab_core import (
     Remark,
     RemarkKind,
     Remedy,
-    Scale,
     Term,
 )
 from hitab_core.assistant import TrainingCost
@@ -34,9 +33,10 @@ def message_of(kind: Any, data: Any, /, **others: Any) -> Any:
         data: a dataclass, which may contain others where the message contains messages.
         others: values of further fields of the message.
     """
-    kinds: Any = (kind, type(data))
     shared = {
-        name: write(getattr(data, name)) for name, write in _shared(*kinds) if name not in others
+        name: write(getattr(data, name))
+        for name, write in _shared(kind, data.__class__)
+        if name not in others
     }
     return kind(**shared, **others)
 
@@ -63,14 +63,12 @@ def _writer(of_type: str) -> Callable[[Any], Any]:
 
 def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
     """Return remedies as messages, without duplicates."""
-    return [
-        msg.Remedy(
-            code=remedy.code.name,
-            names=[name for name, _ in remedy.arguments],
-            values=[value for _, value in remedy.arguments],
-        )
-        for remedy in dict.fromkeys(remedies)
-    ]
+    return [_coded(msg.Remedy, remedy) for remedy in dict.fromkeys(remedies)]
+
+
+def _coded(kind: Any, data: Remedy | Remark, **others: Any) -> Any:
+    names, values = [name for name, _ in data.arguments], [value for _, value in data.arguments]
+    return kind(code=data.code.name, names=names, values=values, **others)
 
 
 def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
@@ -85,13 +83,7 @@ def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
 def remark_messages(remarks: Iterable[Remark]) -> list[msg.Remark]:
     """Return remarks as messages."""
     return [
-        msg.Remark(
-            code=remark.code.name,
-            names=[name for name, _ in remark.arguments],
-            values=[value for _, value in remark.arguments],
-            remedy=remedy_messages([remark.remedy])[0],
-        )
-        for remark in remarks
+        _coded(msg.Remark, remark, remedy=_coded(msg.Remedy, remark.remedy)) for remark in remarks
     ]
 
 
@@ -149,20 +141,9 @@ def order_of(message: msg.Order) -> Order:
     return from_dict(Order, message, name=message.order, behaviors=behaviors)
 
 
-def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> msg.Feature:
-    """Return a feature as a message.
-
-    Args:
-        name: the feature's name with its targets or parameters.
-        feature: the feature's declaration in the domain.
-        scale: scale of the feature's values; None if not requested.
-    """
-    message = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
-    message.description = feature.description
-    if scale is not None:
-        message.kind, message.period = scale.kind.value, float(scale.period)
-        message.categories = list(scale.categories)
-    return message
+def feature_message(term: Term, feature: Feature) -> msg.Feature:
+    """Return a feature with its targets or parameters as a message."""
+    return message_of(msg.Feature, feature, name=str(term), period=feature.scale.period)
 
 
 def cost_message(cost: TrainingCost) -> msg.TrainingCost:

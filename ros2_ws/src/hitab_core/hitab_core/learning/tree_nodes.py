@@ -6,7 +6,7 @@ A tree may be as deep as it has examples, so use `fold` and loops, never recursi
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, astuple, dataclass
 from typing import Any, TypeVar
 
 from hitab_core.learning.boundaries import on_circle
@@ -163,15 +163,13 @@ def root_of(plain: Sequence[PlainNode]) -> Node:
 
 def described(node: Node) -> dict[str, object]:
     """Return a node, without its branches, as plain data with exact numbers (``float.hex``)."""
-    counts = [n.hex() if isinstance(n, float) else n for n in node.counts]
-    plain: dict[str, object] = {"counts": counts}
+    plain: dict[str, object] = {"counts": node.counts}
     if isinstance(node, Fork):
-        plain["feature"], test = node.feature, node.test
-        if isinstance(test, Categories):
-            plain["categories"] = list(test.categories)
-        elif isinstance(test, Threshold):
-            plain["threshold"] = test.threshold.hex()
-        else:
-            plain |= {"period": test.period.hex(), "start": test.start.hex()}
-            plain["end"] = test.end.hex()
-    return plain
+        plain |= {"feature": node.feature, **asdict(node.test)}
+    return {key: _exact(value) for key, value in plain.items()}
+
+
+def _exact(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return list(map(_exact, value))
+    return value.hex() if isinstance(value, float) else value

@@ -11,7 +11,7 @@ from hitab_core.codec import plain_values, to_dict
 from hitab_core.domain import Domain, FeatureKind
 from hitab_core.errors import LibraryError
 from hitab_core.example import CYCLE_MAX, Example
-from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.transition_learning import rules_of
 from hitab_core.library.behavior_text import behavior_text
 from hitab_core.library.digests import checksum
 from hitab_core.library.expectation import KEY, Expectation, broken_expectations
@@ -151,7 +151,7 @@ def text_of(
     }
     if any(optional.values()):
         content["optional"] = {key: entries for key, entries in optional.items() if entries}
-    return behavior_text(content | {"checksum": checksum(content)}, _rules(automaton))
+    return behavior_text(content | {"checksum": checksum(content)}, rules_of(automaton))
 
 
 def _readings(automaton: Automaton) -> dict[str, Any]:
@@ -177,15 +177,6 @@ def _digests(automaton: Automaton) -> dict[str, str]:
             )
         digests[state] = str(digest())
     return digests
-
-
-def _rules(automaton: Automaton) -> dict[str, list[str]]:
-    names = [str(feature) for feature in automaton.features]
-    return {
-        state: [str(rule) for rule in function.rules(names)]
-        for state, function in automaton.transitions.items()
-        if isinstance(function, TransitionTree)
-    }
 
 
 def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:

@@ -119,7 +119,7 @@ class _Reader:
             trees,
             dict(content["uses"]),
             Provenance(**content["provenance"]),
-            learned_digest(content, trees),
+            learned_digest(content, examples, trees),
             self._checksum,
             text,
             tuple(self._document.line(("states", i)) for i in range(len(states))),
