@@ -21,8 +21,8 @@ FLOORS = (
 CORE_FLOORS = (
     ("installation", "remedies"),
     ("arrays", "errors", "example", "hierarchy", "seeding", "wording"),
-    ("default_example", "example_codec", "term", "transition_function", "vocabulary"),
-    ("automaton", "number", "plain_body", "source_file"),
+    ("default_example", "term", "transition_function", "vocabulary"),
+    ("automaton", "codec", "number", "plain_body", "source_file"),
     ("domain",),
     ("action_behavior", "repertoire", "spread"),
     ("regression",),

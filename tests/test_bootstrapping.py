@@ -67,7 +67,7 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert len(digests(team)) == 1
     training = team.agents.training(ONE)
     assert len(training.examples) == 2
-    assert training.features == ("DistanceTo(ball)", "BallIsKickable"), "kept, though unused"
+    assert training.feature_labels == ("DistanceTo(ball)", "BallIsKickable"), "kept, though unused"
     status = team.world.wait()
     assert (status.mode, status.episodes_left) == ("paused", 0)
     assert places(team) == before, "the evaluation leaves the field as it was arranged"

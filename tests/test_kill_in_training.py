@@ -13,10 +13,6 @@ FIRST = 1_000_000  # number of a command
 RESTART_SECONDS = 60
 
 
-def told(example):
-    return (example.number, example.state, example.next_state, example.kind, list(example.values))
-
-
 def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     agents, link = keepers.agents, keepers.link
     agents.do(AGENT, BeginTraining("Near", features=["DistanceTo(ball)"]))

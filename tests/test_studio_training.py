@@ -230,10 +230,11 @@ def test_features_are_exchanged_after_a_look_at_what_would_be_learned(swarm, per
     person.tick("feature-BallIsKickable")
     person.page.uncheck('[data-test="feature-DistanceTo(ball)"]')
     person.sees("features-effect", "+ GoFast: if BallIsKickable")
-    assert swarm.agents.training(ONE).features == ("DistanceTo(ball)",), "nothing was done yet"
+    labels = swarm.agents.training(ONE).feature_labels
+    assert labels == ("DistanceTo(ball)",), "nothing was done yet"
     person.click("features-accept")
     person.sees("recorded", "BallIsKickable")
-    assert swarm.agents.training(ONE).features == ("BallIsKickable",)
+    assert swarm.agents.training(ONE).feature_labels == ("BallIsKickable",)
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     person.sees("recorded", "DistanceTo(ball)")

@@ -24,6 +24,7 @@ from hitab_core import (
     quantity,
 )
 from hitab_core.assistant import training_costs
+from hitab_core.codec import from_dict
 from hitab_ros import names, qos
 from hitab_ros.answering import refuse
 from hitab_ros.checks import check
@@ -32,7 +33,6 @@ from hitab_ros.conversions import (
     feature_message,
     fill_in,
     number_messages,
-    operation_of,
 )
 
 
@@ -50,7 +50,7 @@ class CommandTopic:
     def _on_command(self, command: msg.Command) -> None:
         try:
             check(command)
-            operation = operation_of(operations.Command, command)
+            operation = from_dict(operations.Command, command)
         except Exception as error:
             self._node.answered(error)
             return
@@ -72,7 +72,7 @@ class AgentServices:
     def _serve(self, kind: type[operations.Operation], request: Any, response: Any) -> Any:
         """Carry out the operation of a request; the reply has the status after it."""
         try:
-            fill_in(response, self._node.do(operation_of(kind, request)))
+            fill_in(response, self._node.do(from_dict(kind, request)))
             response.success = True
         except Exception as error:
             refuse(response, error)
@@ -125,6 +125,6 @@ class AgentServices:
         words += [
             (term, domain.feature(term.name)) for term in OWN_FEATURES if term.name not in FLAGS
         ]
-        response.features = [feature_message(str(term), feature) for term, feature in words]
+        response.features = [feature_message(term, feature) for term, feature in words]
         response.targets = sorted(domain.targets)
         return response

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-from array import array
 from typing import Any
 
 from hitab_msgs import msg
 
 from hitab_core import Automaton, Domain, HitabError, Term, TrainingSession, TransitionTree
 from hitab_core.assistant import Question
-from hitab_core.learning import (
-    TREE,
-    Arc,
-    Categories,
-    ClassifierSpec,
-    Leaf,
-    Node,
-    Threshold,
-    learn_transitions,
-    nodes,
-)
-from hitab_ros.conversions import example_message, feature_message, number_messages
+from hitab_core.learning import TREE, ClassifierSpec, learn_transitions, plain_nodes
+from hitab_ros.conversions import feature_message, message_of, number_messages
 
 
 def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.Automaton:
@@ -31,24 +20,21 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
         domain: the agent's domain.
         more: further fields of the message.
     """
-    return msg.Automaton(
-        name=automaton.name,
-        description=automaton.description,
-        parameters=list(automaton.parameters),
-        states=list(automaton.labels),
+    return message_of(
+        msg.Automaton,
+        automaton,
         with_numbers=[
             msg.Behavior(name=name, numbers=number_messages(numbers))
             for name in sorted({state.name for state in automaton.states})
             if (numbers := domain.numbers_of(Term(name)))
         ],
-        features=[
-            feature_message(str(term), domain.feature(term.name), domain.scale_of(term))
-            for term in automaton.features
-        ],
-        readable=list(map(str, automaton.readable)),
-        examples=list(map(example_message, automaton.examples)),
+        features=[feature_message(term, domain.feature(term.name)) for term in automaton.features],
         trees=[
-            _tree_message(state, tree)
+            msg.TransitionTree(
+                state=state,
+                labels=tree.labels,
+                nodes=[message_of(msg.TreeNode, node) for node in plain_nodes(tree.root_)],
+            )
             for state, tree in automaton.transitions.items()
             if isinstance(tree, TransitionTree)
         ],
@@ -58,26 +44,23 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
 
 def training_message(session: TrainingSession, domain: Domain) -> msg.Automaton:
     """Return the state of a training as a message."""
-    curriculum, examples = session.curriculum, session.examples
+    curriculum = session.curriculum
     automaton = Automaton(
         curriculum.name,
         tuple(map(Term.parse, session.states)),
         curriculum.features,
         _learned(session, domain),
         curriculum.parameters,
-        examples,
+        session.examples,
         readable=session.history.readable,
     )
-    chosen = list(map(str, curriculum.states))
-    message = automaton_message(
+    return automaton_message(
         automaton,
         domain,
         classifier=curriculum.classifier,
         arguments=list(curriculum.arguments),
-        chosen_states=chosen,
+        chosen_states=list(map(str, curriculum.states)),
     )
-    message.states = [*chosen, *(s for s in session.states if s not in chosen)]
-    return message
 
 
 def _learned(session: TrainingSession, domain: Domain) -> Any:
@@ -95,39 +78,11 @@ def _learned(session: TrainingSession, domain: Domain) -> Any:
 def question_message(question: Question, session: TrainingSession) -> msg.Question:
     """Return a question as a message."""
     features = map(str, session.curriculum.features)
-    return msg.Question(
-        number=question.number,
-        kind=question.kind.value,
-        text=question.text,
-        state=question.state,
-        examples=list(question.examples),
-        choices=[
-            msg.Choice(name=choice.name, effect=choice.effect) for choice in question.choices
-        ],
+    return message_of(
+        msg.Question,
+        question,
         situation=[
             msg.Reading(feature=feature, value=value)
             for feature, value in zip(features, question.situation, strict=False)
         ],
     )
-
-
-def _tree_message(state: str, tree: TransitionTree) -> msg.TransitionTree:
-    return msg.TransitionTree(
-        state=state, labels=tree.labels, nodes=list(map(_node_message, nodes(tree.root_)))
-    )
-
-
-def _node_message(node: Node) -> msg.TreeNode:
-    kinds, message = msg.TreeNode, msg.TreeNode(counts=array("d", node.counts))
-    if isinstance(node, Leaf):
-        return message
-    message.feature = node.feature
-    match node.test:
-        case Threshold(threshold):
-            message.kind, numbers = kinds.THRESHOLD, [threshold]
-        case Arc(start, end, period):
-            message.kind, numbers = kinds.ARC, [period, start, end]
-        case Categories(categories):
-            message.kind, numbers = kinds.CATEGORY, list(map(float, categories))
-    message.numbers = array("d", numbers)
-    return message

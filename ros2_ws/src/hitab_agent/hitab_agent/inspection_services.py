@@ -18,7 +18,7 @@ from hitab_core import (
 from hitab_core.library import difference
 from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
-from hitab_ros.conversions import pairs_of
+from hitab_ros.conversions import message_of, pairs_of
 
 Origin: Any = srv.GetBehavior.Response
 
@@ -93,11 +93,7 @@ class InspectionServices:
             behavior = repertoire.get(name)
             if isinstance(behavior, BasicBehavior):
                 answer.origin = Origin.BASIC
-                answer.automaton = msg.Automaton(
-                    name=behavior.name,
-                    description=behavior.description,
-                    parameters=list(behavior.parameters),
-                )
+                answer.automaton = message_of(msg.Automaton, behavior)
                 return
             answer.origin = Origin.HAND_WRITTEN
             answer.automaton = automaton_message(behavior, domain)

@@ -11,7 +11,7 @@ from hitab_msgs import msg
 from hitab_agent.scheduler import JobQueue
 from hitab_core.orders import Report
 from hitab_ros import GuardedNode, qos
-from hitab_ros.conversions import report_message
+from hitab_ros.conversions import message_of
 
 
 class ReportOutbox:
@@ -44,7 +44,7 @@ class ReportOutbox:
         """Send a report: at once, after the outbox's delay, or when the outbox is released."""
         if self._later is not None and not self._waiting:
             self._later.call(self._flush)
-        self._waiting.setdefault(topic, []).append(report_message(report))
+        self._waiting.setdefault(topic, []).append(message_of(msg.Report, report))
         if self._later is None and not self._held:
             self._flush()
 

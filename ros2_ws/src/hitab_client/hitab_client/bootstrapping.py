@@ -207,7 +207,7 @@ class Bootstrapping:
         """Begin a training from a version of a behavior."""
         begin = BeginTraining(
             what.name,
-            states=what.chosen,
+            states=what.chosen_states,
             parameters=dict(zip(what.parameters, bound, strict=True)) if bound else {},
             resume=f"{what.name}@{version}",
             classifier=what.classifier,

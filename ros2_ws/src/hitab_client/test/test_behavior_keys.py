@@ -83,9 +83,9 @@ def test_a_file_of_keys_that_cannot_be_used_keeps_nobody_from_commanding(tmp_pat
 def test_in_training_its_own_name_is_no_command_and_chosen_behaviors_are_all():
     keys = Keys()
     all_of_them = [*ROBOT, "GoTo(A)", "Patrol"]
-    began: Any = SimpleNamespace(name="Patrol", states=["GoTo(goal)"], chosen=())
+    began: Any = SimpleNamespace(name="Patrol", possible_states=["GoTo(goal)"], chosen_states=())
     shown = keys.commandable("robot", all_of_them, {"GoTo", "Patrol"}, began)
     assert shown == [*ROBOT, "GoTo(A)", "GoTo(goal)", *FLAGS]
-    began = SimpleNamespace(name="Patrol", states=[], chosen=["TurnLeft", "Done"])
+    began = SimpleNamespace(name="Patrol", possible_states=[], chosen_states=["TurnLeft", "Done"])
     chosen = keys.commandable("robot", all_of_them, {"GoTo", "Patrol"}, began)
     assert chosen == ["TurnLeft", *FLAGS]

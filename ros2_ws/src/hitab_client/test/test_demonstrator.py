@@ -106,7 +106,9 @@ class Agents:
         return SimpleNamespace(domain="test", behaviors=behaviors, targets=["goal", "home"])
 
     def training(self, agent: str) -> Any:
-        return SimpleNamespace(name="Wander", chosen=[], states=[], parameters=["B"])
+        return SimpleNamespace(
+            name="Wander", chosen_states=[], possible_states=[], parameters=["B"]
+        )
 
     @blocking
     async def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:

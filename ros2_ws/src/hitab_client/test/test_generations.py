@@ -13,7 +13,7 @@ from hitab_client.errors import LessonError, SwarmError
 from hitab_client.learned import Learned
 from hitab_client.measures import values_of
 from hitab_client.scores import Figure, Score, score_of
-from hitab_core import Example
+from hitab_core import Example, Term
 
 
 def made(version: int, **others: Any) -> Generation:
@@ -81,9 +81,8 @@ class Swarm:
 @pytest.mark.parametrize("chosen", [(), ("Stop", "Go")])
 def test_the_choice_of_states_is_kept_though_all_of_them_were_commanded(chosen, tmp_path: Path):
     examples = (Example("Start", (), "Go"), Example("Go", (), "Stop"))
-    training = Learned(
-        "Ride", "training", "", "tree", (), (), ("Go", "Stop"), (), (), (), examples, chosen=chosen
-    )
+    states = (Term("Go"), Term("Stop"))
+    training = Learned("Ride", states, (), {}, examples=examples, chosen_states=chosen)
     swarm: Any = Swarm()
     Bootstrapping(swarm, None, tmp_path)._train("ann", training, (), 1)
     assert swarm.begun["states"] == list(chosen)

@@ -179,7 +179,7 @@ def test_a_commander_is_trained_as_an_agent_is_and_its_flag_reaches_its_own_comm
     await_value(team, "AllDone", 1.0)
     team.command("chief", "Done")
     listed = team.ask(srv.GetBehavior, "chief", names.GET_BEHAVIOR).automaton.examples
-    assert [(e.state, e.next_state, list(e.values)) for e in listed] == [
+    assert [(e.state, e.next_state, list(e.features)) for e in listed] == [
         ("Start", "Run", [0.0]),
         ("Run", "Run", [0.0]),
         ("Run", "Done", [1.0]),

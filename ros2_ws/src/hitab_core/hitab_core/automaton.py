@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 
 from hitab_core.errors import VocabularyError
@@ -141,6 +142,11 @@ class Automaton:
     def labels(self) -> tuple[str, ...]:
         """Labels of the states, such as ``GotoBall(ball)``, without Start."""
         return self._labels
+
+    @cached_property
+    def feature_labels(self) -> tuple[str, ...]:
+        """Labels of the features, such as ``DistanceTo(ball)``."""
+        return tuple(map(str, self.features))
 
     @property
     def behaviors_used(self) -> frozenset[str]:

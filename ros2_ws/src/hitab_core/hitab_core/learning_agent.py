@@ -16,7 +16,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, HitabError, TrainingError
 from hitab_core.example import Example
-from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.transition_learning import rules_of
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
 from hitab_core.term import Term
@@ -208,13 +208,11 @@ class LearningAgent:
         self.agent.test(restart=True)
         assert self.agent.session is not None
         automaton = self.agent.session.automaton()
-        names = [str(feature) for feature in automaton.features]
-        trees = [t for t in automaton.transitions.values() if isinstance(t, TransitionTree)]
-        rules = sum(len(tree.rules(names)) for tree in trees)
+        rules = sum(map(len, rules_of(automaton).values()))
         if rules > MANY_RULES and 3 * rules > len(automaton.examples):
             warnings.warn(
                 f"it has {rules} rules for {len(automaton.examples)} examples: what was commanded "
-                f"hardly depends on {', '.join(names)}; choose other features",
+                f"hardly depends on {', '.join(automaton.feature_labels)}; choose other features",
                 stacklevel=2,
             )
         return automaton

@@ -14,9 +14,9 @@ from hitab_core.assistant.question import Question, choice_of
 from hitab_core.assistant.questions import Questions
 from hitab_core.assistant.trial_statistics import TrialStatistics
 from hitab_core.automaton import START, Automaton
+from hitab_core.codec import from_dict
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError
 from hitab_core.example import Example
-from hitab_core.example_codec import example_of
 from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.run_context import RunContext
@@ -149,8 +149,8 @@ class TrainingSession(Trainer):
         begin, *rest = records
         training = cls(
             context,
-            Curriculum.from_record(begin["curriculum"]),
-            map(example_of, begin["examples"]),
+            from_dict(Curriculum, begin["curriculum"]),
+            [from_dict(Example, e) for e in begin["examples"]],
             journal,
             tuple(map(Term.parse, begin["readable"])),
             people,

@@ -6,52 +6,66 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
-from operator import attrgetter
-from typing import Any, TypeVar
+from typing import Any
 
 from diagnostic_msgs.msg import KeyValue
 from hitab_msgs import msg, srv
 
 from hitab_core import (
     BoundedNumber,
-    Example,
-    ExampleKind,
     Feature,
     Fix,
     Remark,
     RemarkKind,
     Remedy,
-    Scale,
     Term,
 )
 from hitab_core.assistant import TrainingCost
+from hitab_core.codec import from_dict
 from hitab_core.operations import Operation, Outcome
-from hitab_core.orders import Order, Report
-
-Data = TypeVar("Data")
-Op = TypeVar("Op", bound=Operation)
-
-
-@functools.cache
-def _shared(kind: Any, data: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]]]:
-    """Return the fields that a message and a dataclass share, and a function that reads them."""
-    shared = {field.name for field in fields(data)}
-    names = tuple(name for name in kind.get_fields_and_field_types() if name in shared)
-    return names, attrgetter(*names)
+from hitab_core.orders import Order
 
 
 def message_of(kind: Any, data: Any, /, **others: Any) -> Any:
-    """Return a message with the values of a dataclass's fields, except for ``others``."""
-    kinds: Any = (kind, type(data))
-    names, read = _shared(*kinds)
-    return kind(**{**dict(zip(names, read(data), strict=True)), **others})
+    """Return a message with the fields of a dataclass, except for ``others``.
+
+    `hitab_core.codec.from_dict` reads it.
+
+    Args:
+        kind: class of the message.
+        data: a dataclass, which may contain others where the message contains messages.
+        others: values of further fields of the message.
+    """
+    shared = {
+        name: write(getattr(data, name))
+        for name, write in _shared(kind, data.__class__)
+        if name not in others
+    }
+    return kind(**shared, **others)
 
 
-def data_of(kind: type[Data], message: Any, /, **others: Any) -> Data:
-    """Return a dataclass with the values of a message's fields, except for ``others``."""
-    kinds: Any = (type(message), kind)
-    names, read = _shared(*kinds)
-    return kind(**{**dict(zip(names, read(message), strict=True)), **others})
+@functools.cache
+def _shared(kind: Any, data: Any) -> list[tuple[str, Callable[[Any], Any]]]:
+    """Return the fields that a message and a dataclass share, and functions that write them."""
+    there = {field.name for field in fields(data)}
+    types = kind.get_fields_and_field_types()
+    return [(name, _writer(types[name])) for name in types if name in there]
+
+
+def _writer(of_type: str) -> Callable[[Any], Any]:
+    inner = of_type.removeprefix("sequence<").removesuffix(">")
+    package, _, name = inner.rpartition("/")
+    if name == "KeyValue":
+        return lambda pairs: pairs_message(dict(pairs).items())
+    if name == "Remedy":
+        return remedy_messages
+    if package == "hitab_msgs":
+        write: Callable[[Any], Any] = functools.partial(message_of, getattr(msg, name))
+    elif inner == "string":
+        write = str  # of a term or an enumeration as well
+    else:
+        return lambda value: value
+    return write if inner == of_type else lambda values: list(map(write, values))
 
 
 def pairs_message(pairs: Iterable[tuple[str, str]]) -> list[KeyValue]:
@@ -69,43 +83,23 @@ def values_message(values: Iterable[tuple[str, float | None]]) -> list[msg.Value
     return [msg.Value(name=n, value=math.nan if v is None else float(v)) for n, v in values]
 
 
-def operation_of(kind: type[Op], request: Any) -> Op:
-    """Return the operation that a request, or a message on the command topic, asks for."""
-    given: dict[str, Any] = {}
-    for field in fields(kind):
-        value = getattr(request, field.name)
-        if field.default_factory is dict:
-            value = dict(pairs_of(value))
-        given[field.name] = value if isinstance(value, (bool, int, float, str, dict)) else [*value]
-    return kind(**given)
-
-
 def request_of(operation: Operation) -> Any:
-    """Return the request for an operation, of the service type with its name."""
-    request = getattr(srv, type(operation).__name__).Request()
-    for field in fields(operation):
-        value = getattr(operation, field.name)
-        if field.default_factory is dict:
-            value = pairs_message(value.items())
-        setattr(request, field.name, list(value) if isinstance(value, (tuple, list)) else value)
-    return request
+    """Return the request for an operation, of the service type with its name.
+
+    `hitab_core.codec.from_dict` reads it.
+    """
+    return message_of(getattr(srv, type(operation).__name__).Request, operation)
 
 
 def fill_in(response: Any, outcome: Outcome) -> None:
     """Write an outcome into the reply to a request, as far as the reply has its fields."""
-    for field in fields(outcome):
-        if hasattr(response, field.name):
-            value = getattr(outcome, field.name)
-            value = remedy_messages(value) if field.name == "remedies" else value
-            setattr(response, field.name, value)
+    for name, write in _shared(type(response), type(outcome)):
+        setattr(response, name, write(getattr(outcome, name)))
 
 
 def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
     """Return remedies as messages, without duplicates."""
-    return [
-        msg.Remedy(code=remedy.code.name, arguments=pairs_message(remedy.arguments))
-        for remedy in dict.fromkeys(remedies)
-    ]
+    return [message_of(msg.Remedy, it, code=it.code.name) for it in dict.fromkeys(remedies)]
 
 
 def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
@@ -118,12 +112,8 @@ def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
 def remark_messages(remarks: Iterable[Remark]) -> list[msg.Remark]:
     """Return remarks as messages."""
     return [
-        msg.Remark(
-            code=remark.code.name,
-            arguments=pairs_message(remark.arguments),
-            remedy=remedy_messages([remark.remedy])[0],
-        )
-        for remark in remarks
+        message_of(msg.Remark, it, code=it.code.name, remedy=remedy_messages([it.remedy])[0])
+        for it in remarks
     ]
 
 
@@ -137,23 +127,6 @@ def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
     )
 
 
-def example_message(example: Example) -> msg.Example:
-    """Return an example as a message."""
-    return message_of(msg.Example, example, values=example.features, kind=example.kind.value)
-
-
-def example_of(message: Any) -> Example:
-    """Return the example in a message."""
-    return data_of(
-        Example,
-        message,
-        features=tuple(message.values),
-        kind=ExampleKind(message.kind),
-        readings=tuple(message.readings),
-        numbers=tuple(message.numbers),
-    )
-
-
 def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
     """Return the numbers of a behavior as messages."""
     return [message_of(msg.Number, number) for number in numbers]
@@ -162,7 +135,9 @@ def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
 def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumber, ...]]:
     """Return the numbers of the behaviors in messages that take numbers, by name."""
     return {
-        Term.parse(behavior.name).name: tuple(data_of(BoundedNumber, n) for n in behavior.numbers)
+        Term.parse(behavior.name).name: tuple(
+            from_dict(BoundedNumber, number) for number in behavior.numbers
+        )
         for behavior in messages
         if behavior.numbers
     }
@@ -185,40 +160,17 @@ def order_message(commander: str, order: Order) -> msg.Order:
         order,
         commander=commander,
         order=order.name,
-        behaviors=pairs_message(order.behaviors.items()),
     )
 
 
 def order_of(message: msg.Order) -> Order:
     """Return the order in a message."""
-    return data_of(
-        Order,
-        message,
-        name=message.order,
-        behaviors=dict(pairs_of(message.behaviors)),
-        report=tuple(message.report),
-    )
+    return from_dict(Order, message, name=message.order)
 
 
-def report_message(report: Report) -> msg.Report:
-    """Return a report as a message."""
-    return message_of(msg.Report, report)
-
-
-def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> msg.Feature:
-    """Return a feature as a message.
-
-    Args:
-        name: the feature's name with its targets or parameters.
-        feature: the feature's declaration in the domain.
-        scale: scale of the feature's values; None if not requested.
-    """
-    message = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
-    message.description = feature.description
-    if scale is not None:
-        message.kind, message.period = scale.kind.value, float(scale.period)
-        message.categories = list(scale.categories)
-    return message
+def feature_message(term: Term, feature: Feature) -> msg.Feature:
+    """Return a feature with its targets or parameters as a message."""
+    return message_of(msg.Feature, feature, name=str(term), period=feature.scale.period)
 
 
 def cost_message(cost: TrainingCost) -> msg.TrainingCost:
@@ -228,4 +180,4 @@ def cost_message(cost: TrainingCost) -> msg.TrainingCost:
 
 def cost_of(message: Any) -> TrainingCost:
     """Return the cost of a training in a message."""
-    return data_of(TrainingCost, message)
+    return from_dict(TrainingCost, message)

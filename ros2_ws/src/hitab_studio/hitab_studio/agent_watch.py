@@ -146,13 +146,13 @@ class AgentWatch:
         known, training, found = self.known, self.training, set(self._wanted)
         trained = training.name if training is not None else ""
         labels = [label for label in (status.behavior, *status.active_path) if label]
-        labels += training.states if training is not None else ()
+        labels += training.possible_states if training is not None else ()
         while labels:
             name = Term.parse(labels.pop()).name
             if name not in found | {*FLAGS, START, trained}:
                 found.add(name)
                 behavior = known.behaviors.get(name)
-                labels += behavior.states if behavior is not None else ()
+                labels += behavior.labels if behavior is not None else ()
         shelf = sorted(known.vocabulary.trained)[:SHELF_MAX]
         return found | {*shelf} - {trained}
 

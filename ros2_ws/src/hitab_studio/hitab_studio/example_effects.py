@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hitab_client import Learned
-from hitab_core import START, Example, contradictions
+from hitab_core import Example, contradictions
+from hitab_core.library import rules_in_words
 
 
 def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
@@ -47,7 +48,7 @@ class Effect:
 
 def effect(before: Learned, after: Learned) -> Effect:
     """Compare a behavior before and after a change of the examples or of the features."""
-    old, new = _rules(before), _rules(after)
+    old, new = rules_in_words(before), rules_in_words(after)
     former = {e.number: e for e in before.examples}
     decisions = []
     for example in after.examples:
@@ -69,13 +70,3 @@ def effect(before: Learned, after: Learned) -> Effect:
 def most_probable(distribution: Mapping[str, float]) -> str:
     """Return the most probable state; "" if the distribution is empty."""
     return max(distribution, key=lambda s: distribution[s]) if distribution else ""
-
-
-def _rules(learned: Learned) -> list[str]:
-    rules = []
-    for state in (START, *(learned.automaton.labels if learned.automaton else ())):
-        tree = learned.trees.get(state)
-        for rule in tree.rules(learned.features) if tree else ():
-            words, _, _ = str(rule).rpartition(" (")  # without the number of examples
-            rules.append(f"{state}: {words}")
-    return rules

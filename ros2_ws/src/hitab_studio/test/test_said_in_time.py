@@ -7,7 +7,7 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus
 
 from hitab_client import Learned, SwarmError
-from hitab_core import Example
+from hitab_core import Example, Term
 from hitab_core.example import ExampleKind
 from hitab_ros.call import blocking
 from hitab_studio.actions import teaching_actions
@@ -23,9 +23,14 @@ from hitab_studio.views import render
 ONE = "keeper_1"
 UP = SwarmTarget(0, "keepaway", (ONE,), 1, folder="/keepaway", world=True)
 SAVED = Learned(
-    "FetchBall", "trained", "", "tree", (), (), ("Stop",), (), (), (),
-    tuple(Example("Start", (), "Stop", ExampleKind.DEMONSTRATED, i, i) for i in (1, 2, 3)),
-)  # fmt: skip
+    "FetchBall",
+    (Term("Stop"),),
+    (),
+    {},
+    examples=tuple(
+        Example("Start", (), "Stop", ExampleKind.DEMONSTRATED, i, i) for i in (1, 2, 3)
+    ),
+)
 WORDS = Vocabulary(
     domain="soccer",
     trained=frozenset({"FetchBall"}),

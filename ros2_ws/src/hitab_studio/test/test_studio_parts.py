@@ -15,6 +15,7 @@ from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.term import Term
 from hitab_studio.access import AccessControl, is_loopback, new_token
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.example_effects import effect, is_contradicted
@@ -77,18 +78,13 @@ def example(number: int, state: str, value: float, to: str, kind: str = "demonst
 
 def learned(*examples: Example) -> Learned:
     return Learned(
-        name="Near",
-        origin="training",
-        description="",
-        classifier="tree",
-        parameters=(),
-        arguments=(),
-        states=(),
-        features=(DISTANCE,),
+        "Near",
+        tuple(dict.fromkeys(Term(example.next_state) for example in examples)),
+        (Term.parse(DISTANCE),),
+        learn_transitions(examples, (Scale(),)),  # type: ignore[arg-type]
+        examples=examples,
         units=("m",),
         scales=(Scale(),),
-        examples=examples,
-        trees=learn_transitions(examples, (Scale(),)),  # type: ignore[arg-type]
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict
 from typing import Any
 
 from hitab_msgs import msg
@@ -11,7 +10,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.conversions import remedy_messages, values_message
+from hitab_ros.conversions import message_of, remedy_messages, values_message
 from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
@@ -29,7 +28,7 @@ class WorldTopics:
         self._error = ""
         self._next_state_ns = 0
         self._looks = [
-            msg.Look(kind=kind, **asdict(look)) for kind, look in run_state.world.looks.items()
+            message_of(msg.Look, look, kind=kind) for kind, look in run_state.world.looks.items()
         ]
         self._state = node.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
         self._status = node.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
@@ -96,13 +95,10 @@ class WorldTopics:
         """Publish the episode's result, and with the next state why the episode ended."""
         result = self._world.result()
         self._episodes.publish(
-            msg.Episode(
+            message_of(
+                msg.Episode,
+                result,
                 run=self._run_state.control.run,
-                number=result.number,
-                seed=result.seed,
-                cycles=result.cycles,
-                seconds=result.seconds,
-                ended=result.ended,
                 reproducible=self._run_state.reproducible,
                 measures=values_message(result.measures.items()),
             )
@@ -141,4 +137,4 @@ class WorldTopics:
         self._note = ""
 
     def _entities(self) -> list[msg.Entity]:
-        return [msg.Entity(**asdict(entity)) for entity in self._world.entities()]
+        return [message_of(msg.Entity, entity) for entity in self._world.entities()]

@@ -59,7 +59,7 @@ def expected(
     for label, known in ((state, (START, *automaton.labels)), (to, automaton.labels)):
         if label not in known:
             raise LibraryError(unknown("state", label, known, f" in {file.name}"))
-    chosen = [str(term) for term in automaton.features]
+    chosen = automaton.feature_labels
     features = {}
     for text in situation:
         feature, equals, value = text.rpartition("=")

@@ -22,9 +22,9 @@ def as_text(learned: Learned) -> str:
     """Return the states, transitions and trees of a learned behavior."""
     from hitab_core import automaton_as_text
 
-    if learned.automaton is None:
+    if not learned.transitions:
         return f"{learned.name}: nothing can be shown; it has no example, or another classifier"
-    return automaton_as_text(learned.automaton)
+    return automaton_as_text(learned)
 
 
 def tell_faults(status: Any) -> None:

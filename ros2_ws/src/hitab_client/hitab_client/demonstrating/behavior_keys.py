@@ -100,9 +100,9 @@ class Keys:
         found = in_order(behaviors, trained)
         self.give(domain, found)
         if training is not None:
-            bound = [state for state in training.states if state not in found]
+            bound = [state for state in training.possible_states if state not in found]
             found = [b for b in [*found, *bound] if Term.parse(b).name != training.name]
-            found = [b for b in training.chosen or found if b not in FLAGS]
+            found = [b for b in training.chosen_states or found if b not in FLAGS]
             self.give(domain, found)
         found.sort(key=lambda b: KEYS.index(key) if (key := self.of(domain, b)) else len(KEYS))
         return found if training is None else [*found, *FLAGS]

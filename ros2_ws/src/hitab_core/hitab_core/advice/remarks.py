@@ -104,7 +104,7 @@ class _Looping:
         if any(map(math.isnan, values)):
             return ()
         ends = {str(term) for term in automaton.states if self.repertoire.is_one_shot(term)}
-        names = list(map(str, automaton.features))
+        names = automaton.feature_labels
         follow: dict[str, Mapping[str, float]] = {}
         waiting = [state]
         while waiting:

@@ -13,8 +13,9 @@ from datetime import UTC, datetime
 from itertools import pairwise
 from typing import Any
 
+from hitab_core.codec import from_dict
 from hitab_core.errors import HitabError
-from hitab_core.example_codec import example_of
+from hitab_core.example import Example
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.training_journal import (
     DISCARDED,
@@ -107,7 +108,7 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
     """
     begin, *lines = records
     rest = [record for record in lines if record["do"] != RESUMED]
-    log = ExampleLog(map(example_of, begin["examples"]))
+    log = ExampleLog(from_dict(Example, e) for e in begin["examples"])
     steps: list[str] = []
     for record in rest:
         steps.append(str(record["do"]))
@@ -127,7 +128,7 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
     if not finished and now is not None:
         walls[-1].append(min(now, walls[-1][-1] + PAUSE_SECONDS))
     learned = sum(example.is_learned for example in log.examples)
-    name = rest[-1]["automaton"] if finished else begin["curriculum"]["automaton"]
+    name = rest[-1]["automaton"] if finished else begin["curriculum"]["name"]
     return TrainingCost(
         str(name),
         datetime.fromtimestamp(walls[0][0], UTC).isoformat(timespec="seconds"),

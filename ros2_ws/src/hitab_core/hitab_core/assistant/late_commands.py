@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from hitab_core.assistant.lateness import LateCommand, Lateness, settled
+from hitab_core.codec import to_dict
 from hitab_core.errors import HitabError
-from hitab_core.example_codec import example_record
 from hitab_core.training.events import CommandGiven, Proposal
 from hitab_core.training.percept_history import KEPT_SECONDS
 from hitab_core.training.percepts import PerceptRecord
@@ -107,8 +107,8 @@ class LateCommands:
         dues = {n: moment for n, moment in meant.items() if history.shows(moment, features)}
         due = dues.pop(newest, due)
         earlier = moved(self._trainer, dues)
-        record = {"moments": [m.to_record() for m in window[1]], "pace": pace, **correction}
-        record |= {"settled": [example_record(e) for e in earlier], "who": who}
+        record = {"moments": list(map(to_dict, window[1])), "pace": pace, **correction}
+        record |= {"settled": list(map(to_dict, earlier)), "who": who}
         return Proposal(due, earlier, record)
 
     def _correction(self, command: CommandGiven, due: PerceptRecord) -> dict[str, Any]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
 from hitab_core.advice.evidence import answer_kind
+from hitab_core.codec import plain_values
 from hitab_core.errors import TrainingError
 from hitab_core.vocabulary import has
 
@@ -73,12 +73,11 @@ def added(
 
     For the arguments see `answer_kind`.
     """
-    values = [None if math.isnan(value) else value for value in situation]
     kind = answer_kind(state, next_state, bisects=bisects).value
     return {
         "do": "add",
         "state": state,
-        "features": values,
+        "features": plain_values(situation),
         "next_state": next_state,
         "kind": kind,
     }

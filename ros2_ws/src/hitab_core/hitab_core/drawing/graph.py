@@ -65,7 +65,7 @@ def arrows(automaton: Automaton) -> list[Arrow]:
 def _ways(function: TransitionFunction, automaton: Automaton) -> dict[str, list[Way]]:
     ways: dict[str, list[Way]] = {}
     if isinstance(function, TransitionTree):
-        for rule in function.rules([str(feature) for feature in automaton.features]):
+        for rule in function.rules(automaton.feature_labels):
             for label, probability in rule.distribution.items():
                 ways.setdefault(label, []).append(Way(rule.conditions, probability))
     else:

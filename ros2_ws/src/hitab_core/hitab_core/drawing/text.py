@@ -40,7 +40,7 @@ def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:
     lines = [_title(automaton)]
     if automaton.description:
         lines += [f"  {line}" for line in automaton.description.splitlines()]
-    features = ", ".join(str(feature) for feature in automaton.features) or "none"
+    features = ", ".join(automaton.feature_labels) or "none"
     lines += [f"  features: {features}", f"  examples: {len(automaton.examples)}"]
     found = arrows(automaton)
     for state in (START, *automaton.labels):
@@ -75,11 +75,12 @@ def _transitions(state: str, found: Iterable[Arrow], automaton: Automaton) -> It
 
 
 def _trees(automaton: Automaton) -> list[str]:
-    names = [str(feature) for feature in automaton.features]
     lines = []
     for state in (START, *automaton.labels):
         function = automaton.transitions.get(state)
         if isinstance(function, TransitionTree) and function.features_used:
             lines += ["", f"  tree of {state}"]
-            lines += [f"    {line}" for line in function.as_text(names).splitlines()]
+            lines += [
+                f"    {line}" for line in function.as_text(automaton.feature_labels).splitlines()
+            ]
     return lines

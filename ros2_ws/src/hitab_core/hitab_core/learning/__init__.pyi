@@ -5,11 +5,7 @@ from .scikit_learn_adapter import ClassifierFunction as ClassifierFunction
 from .transition_learning import TREE as TREE
 from .transition_learning import learn_transitions as learn_transitions
 from .transition_learning import relearned as relearned
-from .tree_nodes import Arc as Arc
-from .tree_nodes import Categories as Categories
-from .tree_nodes import Fork as Fork
 from .tree_nodes import Leaf as Leaf
 from .tree_nodes import Node as Node
-from .tree_nodes import Test as Test
-from .tree_nodes import Threshold as Threshold
-from .tree_nodes import nodes as nodes
+from .tree_nodes import plain_nodes as plain_nodes
+from .tree_nodes import root_of as root_of

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hitab_core.automaton import Automaton
+from hitab_core.automaton import START, Automaton
 from hitab_core.domain import Domain, Scale
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
@@ -17,6 +17,7 @@ from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
 from hitab_core.learning.scikit_learn_adapter import classifier_maker, learn_with_classifier
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.tree_text import Rule
 from hitab_core.regression import learn_numbers
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.vocabulary import has
@@ -69,10 +70,19 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
 def relearned(automaton: Automaton, domain: Domain, classifier: str = TREE) -> Automaton:
     """Return an automaton learned from its examples; see `learn_transitions` for errors."""
     scales = [domain.scale_of(term) for term in automaton.features]
-    names = [str(term) for term in automaton.features]
-    transitions = learn_transitions(automaton.examples, scales, classifier, names)
-    numbers = learn_numbers(automaton.states, scales, automaton.examples, domain.numbers_of)
+    names, examples = automaton.feature_labels, automaton.examples
+    transitions = learn_transitions(examples, scales, classifier, names)
+    numbers = learn_numbers(automaton.states, scales, examples, domain.numbers_of)
     return replace(automaton, transitions=transitions, numbers=numbers)
+
+
+def rules_of(automaton: Automaton) -> dict[str, list[Rule]]:
+    """Return the rules of each state that has a tree."""
+    return {
+        state: tree.rules(automaton.feature_labels)
+        for state in (START, *automaton.labels)
+        if isinstance(tree := automaton.transitions.get(state), TransitionTree)
+    }
 
 
 def learn_transitions(

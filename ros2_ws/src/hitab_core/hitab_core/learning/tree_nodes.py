@@ -5,9 +5,9 @@ A tree may be as deep as it has examples, so use `fold` and loops, never recursi
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeVar
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, astuple, dataclass
+from typing import Any, TypeVar
 
 from hitab_core.learning.boundaries import on_circle
 
@@ -59,6 +59,7 @@ class Categories:
 
 
 Test = Threshold | Arc | Categories
+_TESTS = (Threshold, Arc, Categories)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,17 +119,57 @@ def nodes(root: Node) -> list[Node]:
     return found
 
 
+@dataclass(frozen=True, slots=True)
+class PlainNode:
+    """A node without its branches, of plain fields: those of a `TreeNode` message."""
+
+    kind: int = 0
+    feature: int = 0
+    numbers: tuple[float, ...] = ()
+    counts: Counts = ()
+
+
+def plain_nodes(root: Node) -> list[PlainNode]:
+    """Return all nodes, each before its branches; `root_of` makes a tree of them."""
+    return [
+        PlainNode(counts=node.counts)
+        if isinstance(node, Leaf)
+        else PlainNode(
+            1 + _TESTS.index(type(node.test)), node.feature, _numbers(node.test), node.counts
+        )
+        for node in nodes(root)
+    ]
+
+
+def _numbers(test: Test) -> tuple[float, ...]:
+    return test.categories if isinstance(test, Categories) else astuple(test)
+
+
+def root_of(plain: Sequence[PlainNode]) -> Node:
+    """Return the root of the tree with these nodes, each before its branches."""
+    made: list[Node] = []
+    for node in reversed(plain):
+        counts = tuple(int(n) if n.is_integer() else n for n in node.counts)
+        if not node.kind:
+            made.append(Leaf(counts))
+            continue
+        kind: Any = _TESTS[node.kind - 1]
+        several = len(node.numbers) if kind is Categories else 2
+        test = kind(tuple(map(int, node.numbers))) if kind is Categories else kind(*node.numbers)
+        branches = tuple(made.pop() for _ in range(several))
+        made.append(Fork(node.feature, test, counts, branches))
+    return made.pop()
+
+
 def described(node: Node) -> dict[str, object]:
     """Return a node, without its branches, as plain data with exact numbers (``float.hex``)."""
-    counts = [n.hex() if isinstance(n, float) else n for n in node.counts]
-    plain: dict[str, object] = {"counts": counts}
+    plain: dict[str, object] = {"counts": node.counts}
     if isinstance(node, Fork):
-        plain["feature"], test = node.feature, node.test
-        if isinstance(test, Categories):
-            plain["categories"] = list(test.categories)
-        elif isinstance(test, Threshold):
-            plain["threshold"] = test.threshold.hex()
-        else:
-            plain |= {"period": test.period.hex(), "start": test.start.hex()}
-            plain["end"] = test.end.hex()
-    return plain
+        plain |= {"feature": node.feature, **asdict(node.test)}
+    return {key: _exact(value) for key, value in plain.items()}
+
+
+def _exact(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return list(map(_exact, value))
+    return value.hex() if isinstance(value, float) else value

@@ -14,6 +14,7 @@ from .bundle_file import bundle_file_text as bundle_file_text
 from .bundle_file import read_bundle_file as read_bundle_file
 from .bundle_file import texts_with_parts as texts_with_parts
 from .differences import difference as difference
+from .differences import rules_in_words as rules_in_words
 from .digests import checksum as checksum
 from .expectation import Expectation as Expectation
 from .expectation import broken_expectations as broken_expectations

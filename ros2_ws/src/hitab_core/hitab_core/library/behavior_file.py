@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.codec import plain_values, to_dict
 from hitab_core.domain import Domain, FeatureKind
 from hitab_core.errors import LibraryError
-from hitab_core.example import CYCLE_MAX
-from hitab_core.example_codec import file_record, value_records
-from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.example import CYCLE_MAX, Example
+from hitab_core.learning.transition_learning import rules_of
 from hitab_core.library.behavior_text import behavior_text
 from hitab_core.library.digests import checksum
 from hitab_core.library.expectation import KEY, Expectation, broken_expectations
@@ -141,7 +141,7 @@ def text_of(
         "provenance": asdict(provenance),
     }
     optional = {
-        KEY: [one.record() for one in expectations],
+        KEY: [to_dict(one, ["line"]) for one in expectations],
         "chosen": [str(term) for term in automaton.chosen],
         "numbers": [
             {"example": e.number, "values": list(e.numbers)}
@@ -151,7 +151,7 @@ def text_of(
     }
     if any(optional.values()):
         content["optional"] = {key: entries for key, entries in optional.items() if entries}
-    return behavior_text(content | {"checksum": checksum(content)}, _rules(automaton))
+    return behavior_text(content | {"checksum": checksum(content)}, rules_of(automaton))
 
 
 def _readings(automaton: Automaton) -> dict[str, Any]:
@@ -160,7 +160,7 @@ def _readings(automaton: Automaton) -> dict[str, Any]:
     return {
         "readable": [str(term) for term in automaton.readable] if by_command else [],
         "readings": [
-            {"command": command, "values": value_records(readings)}
+            {"command": command, "values": plain_values(readings)}
             for command, readings in by_command.items()
         ],
     }
@@ -179,15 +179,6 @@ def _digests(automaton: Automaton) -> dict[str, str]:
     return digests
 
 
-def _rules(automaton: Automaton) -> dict[str, list[str]]:
-    names = [str(feature) for feature in automaton.features]
-    return {
-        state: [str(rule) for rule in function.rules(names)]
-        for state, function in automaton.transitions.items()
-        if isinstance(function, TransitionTree)
-    }
-
-
 def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:
     kinds = [domain.scale_of(feature).kind for feature in automaton.features]
     for example in automaton.examples:
@@ -203,4 +194,14 @@ def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:
                 f"{example.cycle}, and no world counts beyond {CYCLE_MAX}; delete it"
             )
     counted = [not kind.is_measured for kind in kinds]
-    return [file_record(example, counted) for example in automaton.examples]
+    return [_example(example, counted) for example in automaton.examples]
+
+
+def _example(example: Example, counted: Sequence[bool]) -> dict[str, Any]:
+    """Return an example's entry; ``counted`` tells the features with whole numbers."""
+    values = [
+        int(value) if whole and value is not None and value.is_integer() else value
+        for value, whole in zip(plain_values(map(float, example.features)), counted, strict=True)
+    ]
+    record = to_dict(example, ["readings", "numbers"])
+    return {"number": example.number, **record, "features": values}

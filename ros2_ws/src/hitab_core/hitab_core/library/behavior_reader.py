@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED_NAMES, START, Automaton
+from hitab_core.codec import from_dict
 from hitab_core.domain import Domain, FeatureKind, Scale
 from hitab_core.errors import HitabError, VocabularyError, newer_format
 from hitab_core.example import Example
-from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import (
     BEHAVIOR_FORMAT,
@@ -119,7 +119,7 @@ class _Reader:
             trees,
             dict(content["uses"]),
             Provenance(**content["provenance"]),
-            learned_digest(content, trees),
+            learned_digest(content, examples, trees),
             self._checksum,
             text,
             tuple(self._document.line(("states", i)) for i in range(len(states))),
@@ -259,7 +259,7 @@ class _Reader:
         for i, record in enumerate(self._content["examples"]):
             values = readings.get(int(record["command"]), ())
             numbers = given.pop(int(record["number"]), ())
-            example = example_of({**record, "readings": values, "numbers": numbers})
+            example = from_dict(Example, {**record, "readings": values, "numbers": numbers})
             for wrong in wrong_with(numbers, wanted.get(example.next_state, ())):
                 self._complain(f"example {example.number} {wrong}", "optional", "numbers")
             for wrong in _wrong_with(example, labels, scales):

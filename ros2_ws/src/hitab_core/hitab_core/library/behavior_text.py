@@ -10,8 +10,8 @@ import yaml
 
 from hitab_core.library.yaml_places import means_itself
 
-Rules = Mapping[str, Sequence[str]]
-"""Learned rules of each state, in words; written as comments."""
+Rules = Mapping[str, Sequence[object]]
+"""Learned rules of each state, whose texts are written as comments."""
 
 _RIGHT = ("number", "features", "command", "cycle", "ago", "values")
 """Keys whose values are aligned to the right."""
@@ -89,7 +89,7 @@ def _trees(digests: Mapping[str, str], rules: Rules) -> list[str]:
     lines = []
     for state, digest in digests.items():
         # A line break in a name must not end the comment.
-        lines += [f"# {' '.join(rule.split())}" for rule in rules.get(state, ())]
+        lines += [f"# {' '.join(str(rule).split())}" for rule in rules.get(state, ())]
         lines.append(f"{scalar(state)}: {scalar(digest)}")
     return lines
 

@@ -7,9 +7,9 @@ from functools import partial
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.situation_text import situation_in_words
-from hitab_core.automaton import START
+from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.transition_learning import rules_of
 from hitab_core.library.behavior_file import BehaviorFile
 
 
@@ -64,12 +64,13 @@ def _examples(file: BehaviorFile, domain: Domain) -> list[str]:
 
 
 def _rules(file: BehaviorFile) -> list[str]:
-    names = [str(feature) for feature in file.automaton.features]
-    rules = []
-    for label in (START, *file.automaton.labels):
-        function = file.automaton.transitions.get(label)
-        if isinstance(function, TransitionTree):
-            for rule in function.rules(names):
-                words, _, _ = str(rule).rpartition(" (")  # without the number of examples
-                rules.append(f"{label}: {words}")
-    return rules
+    return rules_in_words(file.automaton)
+
+
+def rules_in_words(automaton: Automaton) -> list[str]:
+    """Return the rules of all states, without the numbers of examples."""
+    return [
+        f"{state}: {str(rule).rpartition(' (')[0]}"
+        for state, rules in rules_of(automaton).items()
+        for rule in rules
+    ]

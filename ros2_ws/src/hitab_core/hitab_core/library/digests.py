@@ -9,10 +9,10 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from hitab_core.example import ExampleKind
+from hitab_core.example import Example
 
 
 def checksum(content: Mapping[str, Any]) -> str:
@@ -23,7 +23,9 @@ def checksum(content: Mapping[str, Any]) -> str:
     return _digest({key: value for key, value in content.items() if key != "checksum"})
 
 
-def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
+def learned_digest(
+    content: Mapping[str, Any], examples: Iterable[Example], trees: Mapping[str, str]
+) -> str:
     """Return the digest of the learned automaton, given a behavior file's content.
 
     Equal digests mean that the behavior has the same states and features and learned the same
@@ -33,30 +35,26 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
 
     Args:
         content: the content, as in `hitab_core.library.behavior_model.BehaviorRecord`.
+        examples: the examples in it.
         trees: digest of each state's transition function.
     """
-    numbers = {
-        record["example"]: [float(value) + 0.0 for value in record["values"]]
-        for record in content.get("optional", {}).get("numbers", ())
-    }
-    examples = [
+    learned = [
         [
-            example["state"],
+            example.state,
+            list(example.point),
+            example.next_state,
+            example.is_default,  # all other kinds are learned from alike
             # Adding zero makes -0.0, which decides like 0.0, read like it.
-            [None if value is None else float(value) + 0.0 for value in example["features"]],
-            example["next_state"],
-            # All other kinds are learned from alike.
-            example["kind"] == ExampleKind.DEFAULT.value,
-            *([given] if (given := numbers.get(example["number"])) else []),
+            *([[value + 0.0 for value in example.numbers]] if example.numbers else []),
         ]
-        for example in content["examples"]
-        if example["kind"] != ExampleKind.SUPERSEDED.value
+        for example in examples
+        if example.is_learned
     ]
     return _digest(
         {
             "domain": content["domain"]["name"],
             **{key: content[key] for key in ("parameters", "states", "features", "classifier")},
-            "examples": sorted(examples, key=_place),
+            "examples": sorted(learned, key=_place),
             "trees": dict(trees),
         }
     )

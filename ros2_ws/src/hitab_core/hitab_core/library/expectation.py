@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.example import Example
@@ -36,7 +35,7 @@ class Expectation:
     @classmethod
     def of_example(cls, name: str, example: Example, automaton: Automaton) -> Expectation:
         """Return the expectation that an example's decision is made again."""
-        values = zip(map(str, automaton.features), example.features, strict=True)
+        values = zip(automaton.feature_labels, example.features, strict=True)
         known = {feature: value for feature, value in values if value == value}
         return cls(name, example.state, known, example.next_state)
 
@@ -67,7 +66,7 @@ class Expectation:
             return "nothing, since it has no such state"
         if function is None:
             return "nothing" if self.state == START else self.state
-        names = [str(feature) for feature in automaton.features]
+        names = automaton.feature_labels
         for unknown in (names[i] for i in function.features_used if names[i] not in self.features):
             return f"by {unknown}, of which the expectation says nothing"
         values = [self.features.get(name, float("nan")) for name in names]
@@ -77,16 +76,6 @@ class Expectation:
         most = max(odds.values())
         likely = [label for label, p in odds.items() if p == most]
         return likely[0] if len(likely) == 1 else f"by chance among {', '.join(sorted(likely))}"
-
-    def record(self) -> dict[str, Any]:
-        """Return the entry in a behavior file."""
-        return {
-            "name": self.name,
-            "state": self.state,
-            "features": dict(self.features),
-            "next_state": self.next_state,
-            "blocks": self.blocks,
-        }
 
 
 def broken_expectations(

@@ -9,8 +9,7 @@ from typing import Any
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
-from hitab_core.learning.transition_learning import relearned
-from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.transition_learning import relearned, rules_of
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
 from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term
@@ -107,14 +106,12 @@ def _rules(file: BehaviorFile, old: str = "", new: str = "") -> Counter[tuple[An
     def label(text: str) -> str:
         return new + text.removeprefix(old) if text.partition("(")[0] == old else text
 
-    names = [str(feature) for feature in file.automaton.features]
     return Counter(
         (
             label(state),
             rule.conditions,
             frozenset((label(to), p) for to, p in rule.distribution.items()),
         )
-        for state, function in file.automaton.transitions.items()
-        if isinstance(function, TransitionTree)
-        for rule in function.rules(names)
+        for state, rules in rules_of(file.automaton).items()
+        for rule in rules
     )

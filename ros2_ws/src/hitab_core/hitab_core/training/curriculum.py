@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.errors import TrainingError, VocabularyError
@@ -34,23 +33,6 @@ class Curriculum:
     parameters: tuple[str, ...] = ()
     arguments: tuple[str, ...] = ()
     classifier: str = "tree"
-
-    def to_record(self) -> dict[str, Any]:
-        """Return the curriculum as plain data for the journal."""
-        return {
-            "automaton": self.name,
-            "features": [str(f) for f in self.features],
-            "states": [str(s) for s in self.states],
-            "parameters": list(self.parameters),
-            "arguments": list(self.arguments),
-            "classifier": self.classifier,
-        }
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
-        """Return the object that `to_record` wrote."""
-        keys = ("automaton", "features", "states", "parameters", "arguments", "classifier")
-        return cls.parse(*(record[key] for key in keys))
 
     @classmethod
     def parse(

@@ -8,10 +8,10 @@ from dataclasses import replace
 from typing import Any
 
 from hitab_core.automaton import START
+from hitab_core.codec import from_dict, values_of
 from hitab_core.default_example import marked
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, Place
-from hitab_core.example_codec import example_of, values_of
 from hitab_core.training.undo import NUMBER, Edit, History
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered, quantity
@@ -84,8 +84,11 @@ class ExampleLog:
         """
         match record["do"]:
             case "command":
-                settled = [example_of(e) for e in record.get("settled", ())]
-                return self.addition([example_of(e) for e in record["examples"]], settled)
+                taught, settled = (
+                    [from_dict(Example, e) for e in record.get(key, ())]
+                    for key in ("examples", "settled")
+                )
+                return self.addition(taught, settled)
             case "undo":
                 return self.history.undo()
             case "redo":

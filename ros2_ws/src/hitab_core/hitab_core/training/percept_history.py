@@ -15,6 +15,7 @@ from itertools import repeat
 from typing import Any
 
 from hitab_core.automaton import as_entered
+from hitab_core.codec import from_dict, to_dict
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.running.running_automaton import RunningAutomaton
@@ -267,11 +268,11 @@ class PerceptHistory:
 
     def around(self, due: PerceptRecord) -> dict[str, Any]:
         """Return the journal's fields for the percepts around a command."""
-        return {"time": self.time, "moments": [m.to_record() for m in self.window(due)]}
+        return {"time": self.time, "moments": list(map(to_dict, self.window(due)))}
 
     def keep_around(self, record: Mapping[str, Any]) -> None:
         """Keep the percepts around a command, from its record in the journal."""
-        moments = tuple(map(PerceptRecord.from_record, record.get("moments", ())))
+        moments = tuple(from_dict(PerceptRecord, m) for m in record.get("moments", ()))
         if moments:
             command = int(record["examples"][0]["command"])
             self._windows[command] = (float(record["time"]), moments)

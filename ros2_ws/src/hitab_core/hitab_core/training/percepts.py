@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START
 from hitab_core.domain import Domain
-from hitab_core.example_codec import value_records, values_of
 from hitab_core.term import Term
 
 READABLE_MAX = 500
@@ -33,25 +31,6 @@ class PerceptRecord:
     time: float
     state: str
     readings: tuple[float, ...]
-
-    def to_record(self) -> dict[str, Any]:
-        """Return the percept as plain data for the journal."""
-        return {
-            "cycle": self.cycle,
-            "time": self.time,
-            "state": self.state,
-            "readings": value_records(self.readings),
-        }
-
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> PerceptRecord:
-        """Return the object that `to_record` wrote."""
-        return cls(
-            int(record["cycle"]),
-            float(record["time"]),
-            str(record["state"]),
-            values_of(record["readings"]),
-        )
 
 
 def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Term, ...]:

@@ -35,10 +35,10 @@ from functools import partial
 from typing import Any
 
 from hitab_core.automaton import START, Automaton, as_entered
+from hitab_core.codec import to_dict
 from hitab_core.default_example import default_example
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.trimming import check_bound, rebind, trim
 from hitab_core.running.run_context import RunContext
@@ -156,7 +156,7 @@ class Trainer:
         check_state(state, self.curriculum, self.context.repertoire)
         proposal = self._due(str(state), given)
         examples = self._examples(state, numbers, proposal.due)
-        record: Record = {"do": "command", "examples": list(map(example_record, examples))}
+        record: Record = {"do": "command", "examples": list(map(to_dict, examples))}
         record = {**record, **self.history.around(proposal.due), **proposal.record}
         self._do(record, self.log.addition(examples, proposal.settled))
         self._go_to(state, numbers, proposal.due)

@@ -9,9 +9,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from hitab_core.codec import to_dict
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
-from hitab_core.example_codec import example_record
 from hitab_core.term import Term
 from hitab_core.training.agent_database import MOVE_AWAY, OLDER, AgentDatabase
 from hitab_core.training.curriculum import Curriculum
@@ -96,8 +96,8 @@ class TrainingJournal:
         first = {
             "do": "begin_training",
             "domain": self._domain,
-            "curriculum": curriculum.to_record(),
-            "examples": [example_record(e) for e in examples],
+            "curriculum": to_dict(curriculum),
+            "examples": list(map(to_dict, examples)),
             "readable": [str(term) for term in readable],
         }
         if self.damage:

@@ -17,7 +17,7 @@ from hitab_studio.unavailable import training_of
 async def features_dialog(page: Page, data: Data) -> None:
     """Open the dialog to choose features."""
     training = training_of(page)
-    now, unseen = training.features, {"preview": None, "change": None, "problem": ""}
+    now, unseen = training.feature_labels, {"preview": None, "change": None, "problem": ""}
     about = {"name": training.name, "parameters": training.parameters}
     page.open_dialog("features", used=now, chosen=now, **about, **unseen)
     page.studio.link.probe(page.agent, on=True)

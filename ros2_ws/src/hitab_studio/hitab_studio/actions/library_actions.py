@@ -9,7 +9,7 @@ from typing import Any
 from hitab_client import SwarmError
 from hitab_client.cli_remedies import called
 from hitab_client.run_folder import libraries_of
-from hitab_core import BehaviorLibrary, Term, load_domain
+from hitab_core import BehaviorLibrary, load_domain
 from hitab_studio.actions.recording_actions import meanwhile_busy
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
@@ -46,7 +46,7 @@ def users_of(page: Page, name: str) -> list[str]:
     return sorted(
         user.name
         for user in page.watched.behaviors.values()
-        if user.name != name and name in {Term.parse(state).name for state in user.states}
+        if user.name != name and name in user.behaviors_used
     )
 
 

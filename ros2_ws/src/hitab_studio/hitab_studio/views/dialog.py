@@ -71,7 +71,8 @@ def context(page: Page) -> dict[str, Any]:
         found["users"] = users_of(page, dialog["name"])
     if kind == "save":
         training = dialog["training"]
-        used = {a for f in (*training.features, *training.states) for a in Term.parse(f).arguments}
+        labels = (*training.feature_labels, *training.possible_states)
+        used = {argument for label in labels for argument in Term.parse(label).arguments}
         found["bindable"] = sorted(used - set(training.parameters))
     return found
 
@@ -97,9 +98,9 @@ def _features(page: Page, arguments: Sequence[str]) -> list[Feature]:
 def _graph(page: Page) -> Graph | None:
     """Return the drawing of the automaton learned from the chosen features; None if none."""
     preview = page.dialog["preview"]
-    if preview is None or preview.automaton is None:
+    if preview is None or not preview.transitions:
         return None
-    return graph(preview.automaton, [*page.watched.behaviors])
+    return graph(preview, [*page.watched.behaviors])
 
 
 def _feature(page: Page, text: str, term: Term) -> Feature:

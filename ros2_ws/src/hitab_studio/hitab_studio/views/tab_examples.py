@@ -26,13 +26,13 @@ def context(page: Page) -> dict[str, Any]:
     given = {*training.parameters, *page.watched.vocabulary.targets}
     states = [
         b
-        for b in (*training.states, *page.watched.vocabulary.behaviors)
+        for b in (*training.possible_states, *page.watched.vocabulary.behaviors)
         if not set(Term.parse(b).arguments) - given
     ]
     return {
         "lines": lines,
-        "columns": [feature for feature in training.features if feature not in table.hidden],
-        "units": dict(zip(training.features, map(shown_unit, training.units), strict=False)),
+        "columns": [feature for feature in training.feature_labels if feature not in table.hidden],
+        "units": dict(zip(training.feature_labels, map(shown_unit, training.units), strict=False)),
         "total": len(training.examples),
         "against": against,
         "superseded": superseded,
@@ -63,7 +63,7 @@ def _numbers(training: Learned, example: Example) -> list[tuple[BoundedNumber, f
 def _values(training: Learned, example: Example) -> dict[str, str]:
     """Return the values of the features, for people; units are in the column titles."""
     found = {}
-    for i, feature in enumerate(training.features):
+    for i, feature in enumerate(training.feature_labels):
         unit = training.units[i]
         text = measure(example.features[i], training.scales[i].kind, unit)
         found[feature] = text.removesuffix(f" {shown_unit(unit)}")
@@ -87,5 +87,5 @@ def _shown(example: Example, table: ExamplesTable, against: Mapping[int, Any]) -
 
 def _key(example: Example, training: Learned, table: ExamplesTable) -> tuple[Any, int]:
     columns = {"state": example.state, "next": example.next_state, "ago": example.ago}
-    columns |= dict(zip(training.features, example.features, strict=True))
+    columns |= dict(zip(training.feature_labels, example.features, strict=True))
     return columns.get(table.sort, 0), example.number

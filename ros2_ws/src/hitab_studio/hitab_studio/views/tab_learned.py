@@ -24,18 +24,17 @@ def context(page: Page) -> dict[str, Any]:
     chosen = (level for level in levels if level["name"] == page.level)
     shown = next(chosen, levels[0] if levels else {"name": "", "label": "", "state": ""})
     behavior = _behavior(page, shown["name"])
-    automaton = behavior.automaton if behavior is not None else None
     state = page.state or shown["state"] or START
-    tree = behavior.trees.get(state) if behavior is not None else None
+    tree = behavior.transitions.get(state) if behavior is not None else None
     values = _values(page, shown["label"], behavior)
     events = _events(page)
-    names = behavior.features if behavior is not None else ()
+    names = behavior.feature_labels if behavior is not None else ()
     automata = [b.name for b in page.watched.behaviors.values() if b.is_automaton]
     return {
         "levels": levels,
         "level": shown,
         "behavior": behavior,
-        "graph": graph(automaton, automata) if automaton else None,
+        "graph": graph(behavior, automata) if behavior and behavior.transitions else None,
         "state": state,
         "last": next((e for e in events if _label(e) == shown["label"]), None),
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
@@ -73,7 +72,7 @@ def _levels(page: Page) -> list[dict[str, Any]]:
             return
         state = path[depth] if active and depth < len(path) else ""
         found[name] = {"name": name, "label": label, "depth": depth, "state": state}
-        for inner in behavior.states or ():
+        for inner in behavior.possible_states:
             if Term.parse(inner).name not in FLAGS:
                 visit(inner, depth + 1, active=active and inner == state)
 

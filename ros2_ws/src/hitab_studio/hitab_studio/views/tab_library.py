@@ -13,8 +13,8 @@ def context(page: Page) -> dict[str, Any]:
     watched = page.watched
     behavior = watched.behaviors.get(page.behavior)
     text = ""
-    if behavior is not None and behavior.automaton is not None:
-        text = automaton_as_text(behavior.automaton, trees=False)
+    if behavior is not None and behavior.transitions:
+        text = automaton_as_text(behavior, trees=False)
     return {
         "trained": sorted(watched.vocabulary.trained),
         "behavior": behavior,

@@ -62,4 +62,4 @@ def _values(page: Page, example: Example) -> list[tuple[str, str]]:
         return []
     kinds = [scale.kind for scale in training.scales]
     values = map(measure, example.features, kinds, training.units)
-    return list(zip(training.features, values, strict=True))
+    return list(zip(training.feature_labels, values, strict=True))

@@ -93,7 +93,7 @@ def _row(name: str, file: Any) -> dict[str, Any]:
         "name": name,
         "parameters": list(automaton.parameters),
         "states": list(automaton.labels),
-        "features": [str(feature) for feature in automaton.features],
+        "features": list(automaton.feature_labels),
         "examples": len(automaton.examples),
         "default_examples": sum(e.is_default for e in automaton.examples),
         "version": file.provenance.version,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from hitab_cli.verbs.printing import as_text, plain
+from hitab_cli.verbs.printing import as_text
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import as_direction, console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
+from hitab_core.codec import plain_values, to_dict
 
 if TYPE_CHECKING:
     from hitab_core.assistant import TrainingCost
@@ -77,10 +77,11 @@ def examples_list(
     if not found.is_automaton:
         raise HitabError(f"{automaton} is a basic behavior: it was not learned from examples")
     units, kinds = found.units, [scale.kind for scale in found.scales]
+    readable = list(map(str, found.readable))
     late = any(e.ago for e in found.examples)
     names = (
         f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
-        for f, unit in zip(found.features, units, strict=True)
+        for f, unit in zip(found.feature_labels, units, strict=True)
     )
     columns = ("number", "in", *names, "go to", "kind", "command", "cycle", *["s ago"] * late)
     rows = [
@@ -99,22 +100,13 @@ def examples_list(
     title = f"{found.name}: {quantity(len(found.examples), 'example')}"
     if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in found.examples):
         title += f", {superseded} {ExampleKind.SUPERSEDED.shown} by a command"
-    fields = "number state next_state kind command cycle ago"
     data = [
-        plain(e, fields)
-        | {
-            "values": list(e.features),
-            "numbers": list(e.numbers),
-            "readings": {
-                name: None if math.isnan(value) else value
-                for name, value in zip(found.readable, e.readings, strict=False)
-            },
-        }
+        to_dict(e) | {"readings": dict(zip(readable, plain_values(e.readings), strict=False))}
         for e in found.examples
     ]
     console.show(
         json,
-        {"automaton": found.name, "features": list(found.features), "examples": data},
+        {"automaton": found.name, "features": list(found.feature_labels), "examples": data},
         console.table(columns, rows, title),
     )
 
