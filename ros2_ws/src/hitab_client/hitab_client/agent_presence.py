@@ -46,7 +46,9 @@ class AgentPresence:
         processes: the swarm's processes, which show why an agent does not answer.
 
     Attributes:
+        expected: names of the expected agents.
         statuses: the last status of each agent of the swarm, by name.
+        unheard: the expected agents that have not reported, in order.
         strangers: the swarm of each agent that belongs to another swarm, by name.
     """
 
@@ -61,7 +63,8 @@ class AgentPresence:
     ) -> None:
         self.link = link
         self.prefix = prefix
-        self.expected = tuple(expected)
+        self.expected = dict.fromkeys(expected)
+        self.unheard = self.expected.copy()
         self.identity = identity
         self.processes = processes or RunProcesses()
         self.statuses: dict[str, AgentStatus] = {}
@@ -90,6 +93,7 @@ class AgentPresence:
         if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
             if agent not in self.statuses:
                 self._newest_at = time.monotonic()
+                self.unheard.pop(agent, None)
             self.statuses[agent] = status
             self.strangers.pop(agent, None)
         else:

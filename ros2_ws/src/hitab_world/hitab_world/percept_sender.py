@@ -71,6 +71,11 @@ class PerceptSender:
         hosts_changed = self._hosts is not None and self._hosts.look()
         return hosts_changed or new or not self._answering <= answering
 
+    @property
+    def hosts(self) -> int:
+        """How many hosts were present at the last `look`."""
+        return 0 if self._hosts is None else self._hosts.present
+
     def has(self, agent: str) -> bool:
         """Return whether a node or a host answers for an agent."""
         if self._hosted(agent):
