@@ -106,6 +106,7 @@ class AgentNode(AgentBase):
         )
         self.training = TrainingTopic(self, self.agent, self.scheduler)
         self._sensed = False
+        self._seconds = 0.0
         self._unsettled = True
         self._link: Any = None
         self.actions: actions.ActionClients | None = None
@@ -258,12 +259,13 @@ class AgentNode(AgentBase):
         log.cycle = percept.cycle
         log.stamp = percept.stamp
         self._sensed = False
+        self._seconds = self.seconds_of(percept)
         try:
             agent.sense(
                 percept.values,
                 percept.heard,
                 percept.cycle,
-                self.seconds_of(percept),
+                self._seconds,
                 # A paused world that shows its cycle again was changed.
                 jumped=percept.look and percept.cycle == agent.cycle,
             )
@@ -274,7 +276,7 @@ class AgentNode(AgentBase):
         except Exception as error:
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
-            self.superior.round_begins(percept, self.seconds_of(percept))
+            self.superior.round_begins(percept, self._seconds)
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
@@ -307,7 +309,7 @@ class AgentNode(AgentBase):
         if self._offered is not None:
             self._offered.look()
         if self.superior is not None and not percept.lockstep:
-            self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
+            self.superior.perceived(percept, self._seconds, changed=changed)
         return action
 
     def seconds_of(self, percept: msg.Percept) -> float:

@@ -63,8 +63,7 @@ class SuperiorLink:
             changed: whether its activity may have changed since the previous percept.
         """
         subordinate = self.subordinate
-        changed |= subordinate.rounds_end()
-        changed |= self._keep_time(percept, seconds)
+        changed |= subordinate.rounds_end() | self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
             self._ordered()  # the order may have been refused only for lack of a percept
             changed = True
