@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from hitab_agent.agent_base import AgentBase
 from hitab_agent.distribution import Distributions
 from hitab_agent.order_subscriptions import OrderSubscriptions
+from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_agent.services_on_demand import ServicesOnDemand
@@ -40,6 +41,7 @@ class HostResources:
         statuses: publishes changed statuses a little later.
         orders: receives the orders of commanders.
         outbox: sends reports to commanders.
+        signs: passes on signs of life of the processes of subordinates.
         distributions: sends and receives behaviors.
         diagnostics: publishes the agents' faults.
         on_demand: creates services when a client appears; None if each agent offers its own at
@@ -63,6 +65,7 @@ class HostResources:
         self.statuses = JobQueue(node, STATUS_PERIOD_S, STATUSES_AT_ONCE)
         self.orders = OrderSubscriptions(node)
         self.outbox = ReportOutbox(node, JobQueue(node, REPORTS_PERIOD_S) if agents else None)
+        self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
         self.on_demand: ServicesOnDemand | None = None

@@ -44,6 +44,7 @@ class Agent(AgentLibrary):
     Attributes:
         mode: whether the demonstrator or the agent decides, or neither.
         cycle: the world's cycle, in the last percept.
+        draws: how many random numbers it has drawn.
         monitor: judges whether decisions are sure, and holds the agent's caution.
     """
 
@@ -77,7 +78,7 @@ class Agent(AgentLibrary):
         """
         super().__init__(name, domain, library, journal_folder, without)
         self.body = domain.body(name)
-        self.cycle = 0
+        self.cycle = self.draws = 0
         self._episode_since = 0
         self._random = random.Random(agent_seed(seed, 0, name))
         self.monitor = CautionMonitor()
@@ -85,7 +86,7 @@ class Agent(AgentLibrary):
             self.loaded.repertoire,
             self.body,
             FeatureCache(self.body, domain),
-            self._random.random,
+            self._draw,
             most_probable,
             observe,
             number_range=self.monitor.number_range,
@@ -93,6 +94,10 @@ class Agent(AgentLibrary):
         self.session = self._resumed()
         if self.session is not None:
             self.mode = Mode.TRAINING
+
+    def _draw(self) -> float:
+        self.draws += 1
+        return self._random.random()
 
     @property
     def active_path(self) -> list[str]:

@@ -65,7 +65,8 @@ class PerceptSender:
         before, answering = self._counts, self._answering
         self._answering = frozenset(bytes(end.endpoint_gid) for end in ends)
         self._counts = {
-            name: publisher.get_subscription_count() for name, publisher in self._publishers.items()
+            name: publisher.get_subscription_count()
+            for name, publisher in self._publishers.items()
         }
         new = any(count > before.get(name, 0) for name, count in self._counts.items())
         hosts_changed = self._hosts is not None and self._hosts.look()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import pytest
@@ -108,14 +109,14 @@ def test_a_look_asks_the_ros_graph_once_however_many_agents_there_are(nodes, mon
     world, agent = nodes
     sender = PerceptSender(world, ("a", *(f"ant_{i}" for i in range(agents - 1))))
     asked: list[str] = []
+
+    def noted(name: str, query: Any, *arguments: Any) -> Any:
+        asked.append(name)
+        return query(*arguments)
+
     for name in dir(world):
         if name.startswith(GRAPH_QUERIES):
-
-            def ask(*arguments, name=name, query=getattr(world, name)):
-                asked.append(name)
-                return query(*arguments)
-
-            monkeypatch.setattr(world, name, ask)
+            monkeypatch.setattr(world, name, partial(noted, name, getattr(world, name)))
     assert not sender.look()
     assert len(asked) == 1
     percept_reader(agent)
