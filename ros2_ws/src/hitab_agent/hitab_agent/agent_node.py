@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -160,13 +161,13 @@ class AgentNode(AgentBase):
         self._joined = True
         self.training.searched = self.status.publish_soon
         shared.nodes.append(self)
-        CommandReceiver(self)
         if settings.services_on_demand:
             shared.offer_on_demand(self)
+        self._offer_topics()
         if shared.on_demand is None:
             self._offer_services()
         else:
-            shared.on_demand.add(self, self._offer_services)
+            shared.on_demand.add_services(self, self._offer_services)
         self._join_actions()
         self._join_link()
         if settings.commander:
@@ -223,6 +224,15 @@ class AgentNode(AgentBase):
             self.superior.obey_again()
         self.settle()
         self.status.publish_soon()
+
+    def _offer_topics(self) -> None:
+        """Offer topics of demonstrators and observers; a host on demand, unless in training."""
+        log, receive = self.transition_log, partial(CommandReceiver, self)
+        for name, offer in ((names.COMMAND, receive), (names.TRANSITIONS, log.offer)):
+            if self.shared.host is None or self.agent.session is not None:
+                offer()
+            else:
+                self.shared.on_demand.add_topic(self, name, offer)
 
     def _offer_services(self) -> None:
         self.training.offer()
