@@ -74,8 +74,9 @@ class AgentNode(AgentBase):
             HitabError: if the domain, the library or the journal is unusable.
         """
         self._joined = False
-        # A logger on /rosout would cost each agent of a host two endpoints and more.
-        super().__init__(node_name, **{"enable_rosout": shared is None, **options})
+        # These would cost each agent of a host three endpoints and more.
+        alone = {"enable_rosout": shared is None, "publish_parameter_events": shared is None}
+        super().__init__(node_name, **{**alone, **options})
         self.settings = settings = AgentParameters.declare(self)
         self.agent_name = names.own_name(self)
         self.shared = shared or HostResources(self)
