@@ -201,15 +201,15 @@ class Subordinate:
         return Report(
             self.agent.name,
             *activity,
-            values,
-            self._position(),
-            self.agent.cycle,
-            episode,
-            seed,
-            self.seconds,
-            number,
-            look,
-            restart,
+            values=values,
+            position=self._position(),
+            cycle=self.agent.cycle,
+            episode=episode,
+            seed=seed,
+            seconds=self.seconds,
+            round=number,
+            look=look,
+            restart=restart,
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:

@@ -156,7 +156,7 @@ class FeatureCache:
 
         The first percept reads each feature; later ones read the failed ones, used or not.
         """
-        if not self.perceived or self._failing == {}:
+        if not self.perceived or (self._failing is not None and not self._failing):
             return {}
         terms = _one_of_each(self._domain) if self._failing is None else self._failing
         self._failing = {}
