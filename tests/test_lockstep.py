@@ -180,7 +180,7 @@ def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_pa
 
         def is_back() -> bool:
             os.kill(successor, signal.SIGCONT)
-            if running.world.status.missing or view.incomplete(["captain"]):
+            if running.world.status.missing or view.incomplete:
                 return False
             # What the killed captain said last says nothing of the one that took its place.
             return view.groups["captain"].epoch != killed

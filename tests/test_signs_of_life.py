@@ -50,9 +50,11 @@ def listening(swarm: RunningSwarm) -> SignsOfLife:
     """Listen until every process was heard."""
     signs = SignsOfLife(swarm.link, identity=swarm.record.identity)
     heard: dict[str, str] = {}
-    swarm.link.subscribe(
-        Alive, "/alive", lambda sign: heard.update({sign.process: sign.swarm}), qos.SIGNS_OF_LIFE
-    )
+
+    def hear(sign: Alive) -> None:
+        heard.update(dict.fromkeys((sign.process, *sign.agents), sign.swarm))
+
+    swarm.link.subscribe(Alive, "/alive", hear, qos.SIGNS_OF_LIFE)
     assert swarm.link.spin_until(
         lambda: len(heard) == 5 and {"keeper_1", "major", "captain", "world"} < heard.keys(),
         SECONDS,

@@ -74,8 +74,9 @@ class AgentNode(AgentBase):
             HitabError: if the domain, the library or the journal is unusable.
         """
         self._joined = False
-        # A logger on /rosout would cost each agent of a host two endpoints and more.
-        super().__init__(node_name, **{"enable_rosout": shared is None, **options})
+        # These would cost each agent of a host three endpoints and more.
+        alone = {"enable_rosout": shared is None, "publish_parameter_events": shared is None}
+        super().__init__(node_name, **{**alone, **options})
         self.settings = settings = AgentParameters.declare(self)
         self.agent_name = names.own_name(self)
         self.shared = shared or HostResources(self)
@@ -109,6 +110,7 @@ class AgentNode(AgentBase):
         )
         self.training = TrainingTopic(self, self.agent, self.scheduler)
         self._sensed = False
+        self._seconds = 0.0
         self._unsettled = True
         self._link: Any = None
         self.actions: actions.ActionClients | None = None
@@ -162,13 +164,13 @@ class AgentNode(AgentBase):
         self._joined = True
         self.training.searched = self.status.publish_soon
         shared.nodes.append(self)
-        CommandTopic(self)
         if settings.services_on_demand:
             shared.offer_on_demand(self)
+        self._offer_topics()
         if shared.on_demand is None:
             self._offer_services()
         else:
-            shared.on_demand.add(self, self._offer_services)
+            shared.on_demand.add_services(self, self._offer_services)
         self._join_actions()
         self._join_link()
         if settings.commander:
@@ -226,6 +228,15 @@ class AgentNode(AgentBase):
         self.settle()
         self.status.publish_soon()
 
+    def _offer_topics(self) -> None:
+        """Offer topics of demonstrators and observers; a host on demand, unless in training."""
+        log, receive = self.transition_log, partial(CommandTopic, self)
+        for name, offer in ((names.COMMAND, receive), (names.TRANSITIONS, log.offer)):
+            if self.shared.host is None or self.agent.session is not None:
+                offer()
+            else:
+                self.shared.on_demand.add_topic(self, name, offer)
+
     def _offer_services(self) -> None:
         self.training.offer()
         AgentServices(self)
@@ -260,12 +271,13 @@ class AgentNode(AgentBase):
         log.cycle = percept.cycle
         log.stamp = percept.stamp
         self._sensed = False
+        self._seconds = self.seconds_of(percept)
         try:
             agent.sense(
                 percept.values,
                 percept.heard,
                 percept.cycle,
-                self.seconds_of(percept),
+                self._seconds,
                 # A paused world that shows its cycle again was changed.
                 jumped=percept.look and percept.cycle == agent.cycle,
             )
@@ -276,7 +288,7 @@ class AgentNode(AgentBase):
         except Exception as error:
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
-            self.superior.round_begins(percept, self.seconds_of(percept))
+            self.superior.round_begins(percept, self._seconds)
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
@@ -309,7 +321,7 @@ class AgentNode(AgentBase):
         if self._offered is not None:
             self._offered.look()
         if self.superior is not None and not percept.lockstep:
-            self.superior.perceived(percept, self.seconds_of(percept), changed=changed)
+            self.superior.perceived(percept, self._seconds, changed=changed)
         return action
 
     def seconds_of(self, percept: msg.Percept) -> float:

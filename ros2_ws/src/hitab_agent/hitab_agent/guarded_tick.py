@@ -48,7 +48,8 @@ class GuardedTick:
 
     def perceived(self) -> None:
         """Report features that cannot be read, whether decisions need them or not."""
-        self._show(FEATURES_FAULT, failing(self._agent))
+        if (why := failing(self._agent)) or self._guard.faults.by_key:
+            self._show(FEATURES_FAULT, why)
 
     def act(self) -> Action:
         """Make the agent decide and act; return its action and message, or nothing if it fails."""
@@ -60,11 +61,13 @@ class GuardedTick:
             self.fail(error)
             return NO_ACTION
         self.fault = ""
-        self._show(TICK, "")
-        if lacking := "; ".join(agent.context.feature_cache.lacking()):
+        lacking = agent.context.feature_cache.lacking()
+        if lacking:
             self._failed_in = self._doing
-            lacking = f"{agent.name} decides without needed values: {lacking}"
-        self._show(VALUES, lacking)
+        if lacking or self._guard.faults.by_key:
+            self._show(TICK, "")
+            why = f"{agent.name} decides without needed values: {'; '.join(lacking)}"
+            self._show(VALUES, why if lacking else "")
         return action
 
     def fail(self, error: Exception) -> None:
@@ -97,10 +100,11 @@ class GuardedTick:
 
 def failing(agent: Agent) -> str:
     """Return which features the domain fails to read, and why; empty if it reads all."""
-    raised = agent.context.feature_cache.failing().items()
-    failures = each_once((str(term), what_went_wrong(error)) for term, error in raised)
-    way_out = "correct the domain and start the agent again"
-    return f"cannot read {'; '.join(failures)}; {way_out}" if failures else ""
+    raised = agent.context.feature_cache.failing()
+    if not raised:
+        return ""
+    failures = each_once((str(term), what_went_wrong(error)) for term, error in raised.items())
+    return f"cannot read {'; '.join(failures)}; correct the domain and start the agent again"
 
 
 def _action(values: Sequence[float], say: str) -> Action:

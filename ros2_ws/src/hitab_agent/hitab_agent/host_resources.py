@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from hitab_agent.agent_base import AgentBase
 from hitab_agent.distribution import Distributions
+from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.order_subscriptions import OrderSubscriptions
+from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.scheduler import JobQueue, Scheduler
-from hitab_agent.services_on_demand import ServicesOnDemand
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
 from hitab_ros import GuardedNode, names
@@ -40,10 +41,11 @@ class HostResources:
         statuses: publishes changed statuses a little later.
         orders: receives the orders of commanders.
         outbox: sends reports to commanders.
+        signs: passes on signs of life of the processes of subordinates.
         distributions: sends and receives behaviors.
         diagnostics: publishes the agents' faults.
-        on_demand: creates services when a client appears; None if each agent offers its own at
-            once.
+        on_demand: creates services and topics for those who ask; None if each agent offers its own
+            at once.
         links: the links of a host's agents to their worlds, by the world's name.
         domains: the loaded domains, by name.
         logged: faults of libraries that are in the log.
@@ -63,9 +65,10 @@ class HostResources:
         self.statuses = JobQueue(node, STATUS_PERIOD_S, STATUSES_AT_ONCE)
         self.orders = OrderSubscriptions(node)
         self.outbox = ReportOutbox(node, JobQueue(node, REPORTS_PERIOD_S) if agents else None)
+        self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
-        self.on_demand: ServicesOnDemand | None = None
+        self.on_demand: EndpointsOnDemand | None = None
         self.links: dict[str, HostLink] = {}
         self.domains: dict[str, Domain] = {}
         self.logged: set[str] = set()
@@ -79,7 +82,7 @@ class HostResources:
     def offer_on_demand(self, node: GuardedNode, agents: int = 1) -> None:
         """Make the agents create their services when a client appears."""
         if self.on_demand is None:
-            self.on_demand = ServicesOnDemand(node, self.scheduler, agents)
+            self.on_demand = EndpointsOnDemand(node, self.scheduler, agents)
 
     def _publish_all_soon(self) -> None:
         """Make all agents publish the current faults of their host."""

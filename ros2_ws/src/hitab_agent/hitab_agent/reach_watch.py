@@ -34,7 +34,7 @@ class ReachWatch:
         node.shared.scheduler.every(SILENCE_PERIOD_S, self._look, node.guard)
 
     def _hear(self, sign: msg.Alive) -> None:
-        if sign.process == self._commander or not self._commander:
+        if not self._commander or self._commander in (sign.process, *sign.agents):
             self._unheard_s = 0.0
 
     def _look(self) -> None:

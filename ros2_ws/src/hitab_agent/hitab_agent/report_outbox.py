@@ -10,7 +10,7 @@ from hitab_msgs import msg
 
 from hitab_agent.scheduler import JobQueue
 from hitab_core.orders import Report
-from hitab_ros import GuardedNode, qos
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import message_of
 
 
@@ -30,6 +30,7 @@ class ReportOutbox:
             later: delays reports; None to send them at once.
         """
         self._node = node
+        self._process = names.own_name(node)
         self._later = later
         self._publishers: dict[str, Any] = {}
         self._waiting: dict[str, list[msg.Report]] = {}
@@ -75,4 +76,4 @@ class ReportOutbox:
             self._node.guard.run(f"reports on {topic}", self._publish, topic, reports)
 
     def _publish(self, topic: str, reports: list[msg.Report]) -> None:
-        self._publishers[topic].publish(msg.Reports(reports=reports))
+        self._publishers[topic].publish(msg.Reports(process=self._process, reports=reports))

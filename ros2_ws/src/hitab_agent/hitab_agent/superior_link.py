@@ -42,6 +42,8 @@ class SuperiorLink:
             if subordinate.take(order):
                 self._ordered()
                 self.tell()
+            elif not (order.round or subordinate.round):  # repeated, since reports were lost
+                self._send(subordinate.report())
 
     def settle(self) -> None:
         """Obey a waiting order, if the demonstrator is done, and report what has changed."""
@@ -63,8 +65,7 @@ class SuperiorLink:
             changed: whether its activity may have changed since the previous percept.
         """
         subordinate = self.subordinate
-        changed |= subordinate.rounds_end()
-        changed |= self._keep_time(percept, seconds)
+        changed |= subordinate.rounds_end() | self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
             self._ordered()  # the order may have been refused only for lack of a percept
             changed = True
@@ -98,7 +99,7 @@ class SuperiorLink:
         self._send(self.subordinate.news(self._seconds))
 
     def heartbeat(self) -> None:
-        """Send a heartbeat, if no report was sent for a while."""
+        """Report percepts that changed nothing, if no report was sent for a while."""
         self._send(self.subordinate.heartbeat())
 
     def _send(self, report: Report | None) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.node import Node
@@ -21,7 +23,7 @@ class TransitionLog:
     """
 
     def __init__(self, node: Node, *, logs: bool = False) -> None:
-        """Create the publisher.
+        """Prepare to publish; see `offer`.
 
         Args:
             node: the agent's node.
@@ -30,11 +32,17 @@ class TransitionLog:
         self._node = node
         self._logs = logs
         self._write: SparingLog | None = None
-        self._publisher = node.create_publisher(msg.TransitionEvent, names.TRANSITIONS, qos.EVENTS)
+        self._publisher: Any = None
         self._agent = names.own_name(node)
         self.stamp = Time()
         self.cycle = 0
         self.changed = False
+
+    def offer(self) -> None:
+        """Create the publisher."""
+        self._publisher = self._node.create_publisher(
+            msg.TransitionEvent, names.TRANSITIONS, qos.EVENTS
+        )
 
     def look(self) -> None:
         """Check whether the log has a subscriber."""
@@ -51,7 +59,7 @@ class TransitionLog:
         next cycle.
         """
         self.changed = True
-        if self._publisher.get_subscription_count():
+        if self._publisher is not None and self._publisher.get_subscription_count():
             self._publisher.publish(self._event(change))
         if self._write is not None:
             self._write(f"{self._agent}: {_in_one_line(change)}", object())

@@ -27,10 +27,11 @@ class WorldLink:
         self._gate = RoundGate(node.shared.orders)
         # One message is reused for all answers: publishing copies it.
         self._action = msg.Action(agent=node.agent_name)
+        # Discovery announces the two in this order, and the world looks for those that answer.
+        node.create_subscription(msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE)
         self._actions = node.create_publisher(
             msg.Action, names.in_swarm(node, world, names.ACTIONS), qos.CYCLE
         )
-        node.create_subscription(msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE)
 
     def _on_percept(self, percept: msg.Percept) -> None:
         self._node.take_in(percept)

@@ -198,6 +198,7 @@ def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broke
         topic = f"/agent_{number}/{names.TRANSITIONS}"
         swarm.desk.create_subscription(msg.TransitionEvent, topic, seen.append, qos.EVENTS)
     for node in swarm.nodes:
+        process.until(lambda node=node: node.count_publishers(names.TRANSITIONS))
         process.until(lambda node=node: node.count_subscribers(names.TRANSITIONS))
         node.transition_log.look()
     for round_ in range(1, 4):

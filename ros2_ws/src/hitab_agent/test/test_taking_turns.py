@@ -5,9 +5,9 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
+from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.scheduler import JobQueue, Scheduler
-from hitab_agent.services_on_demand import ServicesOnDemand
 from hitab_ros import names, qos
 from hitab_ros.guarded_node import GuardedNode
 
@@ -80,9 +80,9 @@ def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
     process.add(other)
     process.add(another)
     offered: list[str] = []
-    services = ServicesOnDemand(node, Scheduler(node), 2)
-    services.add(other, fails)
-    services.add(another, lambda: offered.append("b"))
+    services = EndpointsOnDemand(node, Scheduler(node), 2)
+    services.add_services(other, fails)
+    services.add_services(another, lambda: offered.append("b"))
     for name in ("/a/perform", "/b/perform"):
         node.create_client(srv.Perform, name)
     process.until(lambda: offered and other.guard.faults)

@@ -51,7 +51,9 @@ class AgentPresence:
         processes: the swarm's processes, which show why an agent does not answer.
 
     Attributes:
+        expected: names of the expected agents.
         statuses: the last status of each agent of the swarm, by name.
+        unheard: the expected agents that have not reported, in order.
         strangers: the swarm of each agent that belongs to another swarm, by name.
     """
 
@@ -66,7 +68,8 @@ class AgentPresence:
     ) -> None:
         self.link = link
         self.prefix = prefix
-        self.expected = tuple(expected)
+        self.expected = dict.fromkeys(expected)
+        self.unheard = self.expected.copy()
         self.identity = identity
         self.processes = processes or RunProcesses()
         self.statuses: dict[str, AgentStatus] = {}
@@ -95,6 +98,7 @@ class AgentPresence:
         if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
             if agent not in self.statuses:
                 self._newest_at = time.monotonic()
+                self.unheard.pop(agent, None)
             known = self.statuses.get(agent)
             if known is None or not is_older(status, known):
                 self.statuses[agent] = status

@@ -28,12 +28,14 @@ class CommanderView:
 
     Attributes:
         groups: each commander's latest report about its group, by name.
+        incomplete: the watched commanders that have not heard from all their subordinates yet.
         strangers: the swarm of each commander that belongs to another swarm, by name.
     """
 
     def __init__(self, link: RosLink, prefix: str = "", identity: str = "") -> None:
         self._identity = identity
         self.groups: dict[str, CommanderStatus] = {}
+        self.incomplete: dict[str, None] = {}
         self.strangers: dict[str, str] = {}
         self._link = link
         self._prefix = prefix
@@ -53,21 +55,17 @@ class CommanderView:
         """Start listening to commanders."""
         for commander in set(commanders) - self._watched:
             self._watched.add(commander)
+            self.incomplete[commander] = None
             topic = names.of_agent(commander, GROUP, self._prefix)
             self._link.subscribe(CommanderStatus, topic, self._take, qos.LATCHED)
-
-    def incomplete(self, commanders: Iterable[str]) -> list[str]:
-        """Return the commanders that have not heard from all their subordinates yet."""
-        groups = self.groups
-        return [
-            name
-            for name in commanders
-            if name not in groups or any(s.silent for s in groups[name].subordinates)
-        ]
 
     def _take(self, group: CommanderStatus) -> None:
         if is_own(group.swarm, self._identity, started_by_it=False):
             self.groups[group.commander] = group
+            if any(member.silent for member in group.subordinates):
+                self.incomplete[group.commander] = None
+            else:
+                self.incomplete.pop(group.commander, None)
         else:
             self.strangers[group.commander] = group.swarm
 

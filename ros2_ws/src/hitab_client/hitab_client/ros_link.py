@@ -58,7 +58,10 @@ class RosLink(Caller):
             )
         except RuntimeError as error:
             raise SwarmError(f"ROS does not start: {error}", Fix.DOCTOR()) from None
-        options = {"context": self._context, "parameter_overrides": [NO_TYPE_DESCRIPTIONS]}
+        options: dict[str, Any] = {
+            "context": self._context,
+            "parameter_overrides": [NO_TYPE_DESCRIPTIONS],
+        }
         super().__init__(GuardedNode(name, **options), announce)
         self._sockets = udp_sockets() - before
         self._executor = EventsExecutor(context=self._context)

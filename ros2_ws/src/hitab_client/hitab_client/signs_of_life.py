@@ -69,10 +69,10 @@ class SignsOfLife:
             self._members[roster.host] = known | frozenset(roster.agents)
 
     def _take_sign(self, sign: Alive) -> None:
-        name = sign.process
-        known = name in self._heard or len(self._heard) < PROCESSES_MAX
-        if known and self._is_own(name, sign.swarm):
-            self._heard[name] = self._time()
+        for name in (sign.process, *sign.agents):
+            known = name in self._heard or len(self._heard) < PROCESSES_MAX
+            if known and self._is_own(name, sign.swarm):
+                self._heard[name] = self._time()
 
     def take_signs_of(self, these: Iterable[str]) -> None:
         """Count other messages, just received from agents or the world, as signs of life."""

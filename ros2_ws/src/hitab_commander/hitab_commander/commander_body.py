@@ -23,13 +23,18 @@ class GroupMember:
         report: the report on which the commander decides: in real time the last one, in lockstep
             the one of the last round; None before the first.
         latest: the last report, for observers.
-        heard_at: time, s, at which ``latest`` arrived or the commander began to wait for it.
+        heard_at: time, s, of the last report or sign of life; before the first, the time at which
+            the commander began to wait for it.
+        process: name of the process that sent ``latest``; empty if unknown.
+        beaten: whether there was a report since the process's last sign of life.
     """
 
     role: str = ""
     report: Report | None = None
     latest: Report | None = None
     heard_at: float = 0.0
+    process: str = ""
+    beaten: bool = False
 
 
 class CommanderBody:
@@ -128,7 +133,7 @@ class CommanderBody:
         known = member.report
         if not (self.roll.round and known is not None and report.round == known.round):
             member.report = report
-        member.latest, member.heard_at = report, now
+        member.latest, member.heard_at, member.beaten = report, now, True
         return before is None or was_silent or _activity(before) != _activity(report)
 
     def _change_time(self, report: Report, member: GroupMember) -> None:
@@ -141,6 +146,19 @@ class CommanderBody:
             before = member.latest
             if before is not None and before.round and report.cycle >= before.cycle:
                 roll.end()
+
+    def hear_sign(self, process: str, now: float) -> None:
+        """Take a sign of life of a process: its agents do what they have reported.
+
+        A silent member remains silent, since its reports may have been lost; it reports again when
+        the order is repeated.
+        """
+        self.now = now
+        for name, member in self.members.items():
+            if member.process == process and not self.is_silent(name):
+                if not member.beaten:
+                    self._unheard.discard(name)
+                member.heard_at, member.beaten = now, False
 
     def round_ends(self) -> bool:
         """Return whether all members have reported in this round; if so, begin the next round.

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 from hitab_msgs import msg
 
-from hitab_agent import AgentNode, RoundGate
+from hitab_agent import HEARTBEAT_S, AgentNode, RoundGate
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.rounds import Lockstep, Round
+from hitab_core import RESERVED_NAMES, Mode
 from hitab_core.orders import Order, Report
 from hitab_ros import names, qos
 from hitab_ros.conversions import order_message
@@ -19,6 +20,8 @@ from hitab_ros.stamps import time_of
 
 EPISODES_KNOWN = 8
 """How many past episodes are remembered, so that a late report does not seem to begin one."""
+
+CALM_MODES = (Mode.IDLE, Mode.PERFORMING)
 
 Episode = tuple[int, int]
 """An episode's seed of the run, and its number in the run."""
@@ -30,6 +33,13 @@ class CommanderLink:
     In real time the commander decides at once when a subordinate's activity changes, when all have
     reported again, and when its own commander or a person gives it an order. In lockstep it
     decides in its turn; see `hitab_commander.rounds`.
+
+    Attributes:
+        body: the group.
+        group: publishes its status.
+        seconds: the subordinates' time, s.
+        calm: whether another decision would be the same as the last one, which changed nothing and
+            drew no random number; then none is made at the fixed rate.
     """
 
     def __init__(self, node: AgentNode) -> None:
@@ -48,6 +58,10 @@ class CommanderLink:
         self._episodes: list[Episode] = []
         self._percept = msg.Percept()
         self._decided = False
+        self.calm = False
+        self._silent: list[bool] = []
+        self._look_at = 0.0
+        self._hear_sign = node.guard.wrap("signs of life", self._on_sign)
         self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
         stored = node.memory.values
         epoch = stored.get("epoch")
@@ -84,8 +98,11 @@ class CommanderLink:
         changed = restart = False
         newest = body.number
         for report in message.reports:
-            if report.agent in body.members:
+            if (member := body.members.get(report.agent)) is not None:
                 newest = max(newest, (report.epoch, report.sequence))
+                if member.process != message.process:
+                    member.process = message.process
+                    self._node.shared.signs.follow(message.process, self._hear_sign)
             news, complete = self._lockstep.hear(report, now)
             changed |= news
             if complete is not None:
@@ -96,7 +113,20 @@ class CommanderLink:
             body.outbid(newest)
         if self._lockstep.active:
             self.group.changed |= changed
+            self.calm = False
             return
+        # Of unasked members, a change of the time alone changes no decision.
+        self.calm &= not (changed or restart or body.order.asks)
+        self._hear_all(changed=changed, restart=restart)
+
+    def _on_sign(self, process: str) -> None:
+        if not self._lockstep.active:
+            self.body.hear_sign(process, time.monotonic())
+            self._hear_all()
+
+    def _hear_all(self, *, changed: bool = False, restart: bool = False) -> None:
+        """Decide if something has changed, or if all members have been heard again."""
+        body = self.body
         # The cycle is the latest that all have seen: the world's own once all have reported it.
         self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
         everybody = body.round_ends()
@@ -151,16 +181,26 @@ class CommanderLink:
             self._node.answer(self._percept)
         self._percept.restart = self._percept.look = self._percept.lockstep = False
         order = replace(self.body.order, round=present.number)
-        self._orders.publish(order_message(self._agent.name, order))
+        self._publish(order)
         self._node.remember()
 
     # -- deciding in real time --------------------------------------------------------------
 
     def _on_time(self) -> None:
-        self.body.now = time.monotonic()
-        if not (self._decided or self._lockstep.active):
+        body = self.body
+        body.now = now = time.monotonic()
+        silent = [body.is_silent(name) for name in body.members]
+        if silent != self._silent:
+            self._silent, self.calm = silent, False
+        if self.calm and now < self._look_at and not self.group.changed:
+            return
+        if not (self._decided or self.calm or self._lockstep.active):
             self.decide()
         self._decided = False
+        if now >= self._look_at:
+            self._look_at = now + HEARTBEAT_S
+            if not (self._lockstep.active or all(map(body.knows_of, body.members))):
+                self._publish(body.order)
         self.group.publish_if_changed()
 
     def decide(self, *, restart: bool = False) -> None:
@@ -175,12 +215,17 @@ class CommanderLink:
         percept = self._percept
         percept.restart |= restart
         percept.stamp = self._node.get_clock().now().to_msg()
-        self._decided = True
+        self._decided, self.calm = True, False
         with self._outbox.held():
             if self.body.ready:
+                agent = self._agent
+                before = agent.active_path, agent.draws, agent.mode
                 self._node.take_in(percept)
                 self._node.answer(percept)
                 percept.restart = False
+                # The next decision would be the same, unless something changes.
+                self.calm = agent.mode in CALM_MODES and RESERVED_NAMES.isdisjoint(before[0])
+                self.calm &= before == (agent.active_path, agent.draws, agent.mode)
             else:
                 self._agent.sense((), (), percept.cycle, self.seconds)
                 if self._node.superior is not None:
@@ -194,5 +239,8 @@ class CommanderLink:
         # return to the previous order.
         self._node.remember()
         if not self._percept.lockstep:  # in lockstep, the end of the round publishes it
-            self._orders.publish(order_message(self._agent.name, order))
+            self._publish(order)
         self.group.changed = True
+
+    def _publish(self, order: Order) -> None:
+        self._orders.publish(order_message(self._agent.name, order))

@@ -63,6 +63,12 @@ class CommanderNode(AgentNode):
         super().settle()
         self._decide()
 
+    def faults_changed(self) -> None:
+        """Publish a status soon, and decide again."""
+        super().faults_changed()
+        if self._link is not None:
+            self._link.calm = False
+
     def troubles(self) -> list[tuple[Level, str]]:
         """Return which subordinates are silent."""
         body = self.agent.body
@@ -75,6 +81,7 @@ class CommanderNode(AgentNode):
     def _decide(self) -> None:
         if self._link is None:
             return
+        self._link.calm = False
         if self.agent.mode in (Mode.PERFORMING, Mode.TESTING):
             self._link.decide()
         else:

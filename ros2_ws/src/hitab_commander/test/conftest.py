@@ -17,7 +17,7 @@ from rclpy.parameter import Parameter
 from hitab_agent.agent_node import AgentNode
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
-from hitab_ros import names, qos
+from hitab_ros import give_signs_of_life, names, qos
 from hitab_ros.testing import context_of_its_own
 
 SECONDS = 60.0
@@ -70,9 +70,11 @@ class Team:
 
     Attributes:
         orders: all that were published, by commander.
+        gives_signs: whether nodes that are created give signs of life, as their processes do.
     """
 
     def __init__(self, folder: Path, context: Context) -> None:
+        self.gives_signs = True
         self.folder = folder
         self.context = context
         self.executor = EventsExecutor(context=context)
@@ -138,6 +140,8 @@ class Team:
         self.executor.add_node(node)
         self.nodes[name] = node
         node.join()
+        if self.gives_signs:
+            give_signs_of_life(node)
         return node
 
     def _listen(self, kind: Any, name: str, topic: str, take: Callable[[Any], None]) -> None:

@@ -341,6 +341,7 @@ def test_who_is_stopped_or_out_of_reach_is_not_counted_among_those_that_perform(
 
 
 def test_a_subordinate_that_is_to_halt_does_nothing_while_its_commander_is_out_of_reach(team):
+    team.gives_signs = False
     chief = squad(team)
     settings = {"when_out_of_reach": "halt", "out_of_reach_after": 1.5}
     ant = team.ant("a", "chief", "scout", **settings)

@@ -44,6 +44,7 @@ class Agent(AgentLibrary):
     Attributes:
         mode: whether the demonstrator or the agent decides, or neither.
         cycle: the world's cycle, in the last percept.
+        draws: how many random numbers it has drawn.
         monitor: judges whether decisions are sure, and holds the agent's caution.
     """
 
@@ -77,7 +78,7 @@ class Agent(AgentLibrary):
         """
         super().__init__(name, domain, library, journal_folder, without)
         self.body = domain.body(name)
-        self.cycle = 0
+        self.cycle = self.draws = 0
         self._episode_since = 0
         self._random = random.Random(agent_seed(seed, 0, name))
         self.monitor = CautionMonitor()
@@ -85,7 +86,7 @@ class Agent(AgentLibrary):
             self.loaded.repertoire,
             self.body,
             FeatureCache(self.body, domain),
-            self._random.random,
+            self._draw,
             most_probable,
             observe,
             number_range=self.monitor.number_range,
@@ -93,6 +94,10 @@ class Agent(AgentLibrary):
         self.session = self._resumed()
         if self.session is not None:
             self.mode = Mode.TRAINING
+
+    def _draw(self) -> float:
+        self.draws += 1
+        return self._random.random()
 
     @property
     def active_path(self) -> list[str]:
@@ -126,7 +131,8 @@ class Agent(AgentLibrary):
     @property
     def _trained(self) -> TrainingSession | None:
         """The training, unless it waits while something else is performed."""
-        return self.session if self.mode in (Mode.TRAINING, Mode.TESTING) else None
+        mode = self.mode  # `is` is much faster than a comparison of texts
+        return self.session if mode is Mode.TRAINING or mode is Mode.TESTING else None
 
     @property
     def _performed(self) -> Running | None:
@@ -159,7 +165,7 @@ class Agent(AgentLibrary):
         self.context.clock.now = time
         self.body.sense(values, heard)
         self.context.feature_cache.forget()
-        if (session := self._trained) is not None:
+        if self.session is not None and (session := self._trained) is not None:
             session.perceive(cycle, time, jumped=jumped)
 
     def restart(self, seed: int, episode: int) -> None:
@@ -178,14 +184,17 @@ class Agent(AgentLibrary):
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        active = self._trained or self._performed
+        trained, running = self._trained, self._performed
+        if trained is not None:
+            running = trained.running
+        active = running if trained is None else trained
         if active is None:
             return
         if self.mode is Mode.TRAINING:
             active.tick()
             return
-        examples = () if self._trained is None else self._trained.examples
-        if not self.monitor.watch(active.tick, self.running, self.context, examples):
+        examples = () if trained is None else trained.examples
+        if not self.monitor.watch(active.tick, running, self.context, examples):
             self._hand_back()
 
     def _hand_back(self) -> None:

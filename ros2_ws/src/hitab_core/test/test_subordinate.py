@@ -147,8 +147,12 @@ def test_a_report_is_due_on_news_or_when_the_period_that_was_asked_for_is_over(t
     assert subordinate.news(2.0) is not None, "the world's time was set back"
     agent.perform(None)
     assert subordinate.heartbeat() is None, "there was a report since the last one"
-    assert subordinate.heartbeat() is not None
-    assert subordinate.heartbeat() is not None, "a heartbeat is no news"
+    assert subordinate.heartbeat() is None, "signs of life suffice where nothing is perceived"
+    agent.sense((3.0,), (), cycle=8)
+    assert subordinate.heartbeat().cycle == 8
+    agent.sense((3.0,), (), cycle=9)
+    assert subordinate.heartbeat().cycle == 9, "a heartbeat is no news"
+    agent.sense((3.0,), (), cycle=10)
     subordinate.round_begins(1, look=False, restart=False)
     assert subordinate.heartbeat() is None, "in lockstep rounds tell"
     agent.body.position = None

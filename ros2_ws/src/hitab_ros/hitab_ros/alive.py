@@ -1,4 +1,4 @@
-"""Signs of life: one small message per process, so that others quickly notice if it hangs."""
+"""Signs of life: one message per process, so that others quickly notice if it hangs."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) 
         swarm: identity of the node's swarm, or empty.
         others: further names that represent the process, such as those of a host's commanders.
     """
-    signs = [Alive(process=name, swarm=swarm) for name in (names.own_name(node), *others)]
-    _give(node, names.in_swarm(node, names.ALIVE), signs, lambda: True)
+    sign = Alive(process=names.own_name(node), agents=list(others), swarm=swarm)
+    _give(node, names.in_swarm(node, names.ALIVE), sign, lambda: True)
 
 
 def give_signs_of_operator(node: Node, prefix: str, is_present: Callable[[], object]) -> None:
@@ -37,18 +37,15 @@ def give_signs_of_operator(node: Node, prefix: str, is_present: Callable[[], obj
         prefix: namespace of the swarm.
         is_present: returns whether the operator is in reach of the console.
     """
-    _give(
-        node, names.of_swarm(names.OPERATORS, prefix), [Alive(process=node.get_name())], is_present
-    )
+    topic = names.of_swarm(names.OPERATORS, prefix)
+    _give(node, topic, Alive(process=node.get_name()), is_present)
 
 
-def _give(
-    node: Node, topic: str, signs: Iterable[Alive], is_present: Callable[[], object]
-) -> None:
+def _give(node: Node, topic: str, sign: Alive, is_present: Callable[[], object]) -> None:
     publisher = node.create_publisher(Alive, topic, qos.SIGNS_OF_LIFE)
 
     def show() -> None:
-        for sign in signs if is_present() else ():
+        if is_present():
             publisher.publish(sign)
 
     steady_timer(node, HEARTBEAT_PERIOD_S, show)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
+from rcl_interfaces.msg import ParameterEvent
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
@@ -40,7 +42,18 @@ class GuardedNode(Node):
 
     _has_left = False
 
-    def __init__(self, node_name: str, **options: Any) -> None:
+    def __init__(
+        self, node_name: str, *, publish_parameter_events: bool = True, **options: Any
+    ) -> None:
+        """Create the node.
+
+        Args:
+            node_name: name of the node.
+            publish_parameter_events: whether the node publishes on ``/parameter_events``; needless
+                for a node without parameter services, to which it is one more endpoint.
+            options: see `rclpy.node.Node`.
+        """
+        self._publishes_parameter_events = publish_parameter_events
         self.guard = Guard(lambda text: self.get_logger().warning(text))
         self.guard.faults.changed = self._tell_of_faults
         options = {"enable_rosout": False, "start_parameter_services": False, **options}
@@ -116,6 +129,8 @@ class GuardedNode(Node):
         self, msg_type: Any, topic: str, *args: Any, temporary: bool = False, **options: Any
     ) -> Any:
         """Create a publisher; see `rclpy.node.Node`."""
+        if msg_type is ParameterEvent and not self._publishes_parameter_events:
+            return SimpleNamespace(publish=lambda event: None)
         if temporary:
             events = PublisherEventCallbacks(use_default_callbacks=False)
             options = {"event_callbacks": events, **options}

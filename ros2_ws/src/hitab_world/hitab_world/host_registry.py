@@ -112,6 +112,11 @@ class HostRegistry:
         self._hosted = {host.names[i] for host in there.values() for i in host.indices}
         return before != self._listening
 
+    @property
+    def present(self) -> int:
+        """How many hosts were present at the last `look`."""
+        return len(self._listening)
+
     def has(self, agent: str) -> bool:
         """Return whether an agent runs in a host that was present at the last `look`."""
         return agent in self._hosted

@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_ros import GuardedNode, Receivers, names, qos
+from hitab_ros import GuardedNode, names, qos
 from hitab_world.host_registry import HostRegistry, PerceptOf
 from hitab_world.lockstep import Answer
 
@@ -20,8 +20,10 @@ class PerceptSender:
     def __init__(self, node: GuardedNode, agents: tuple[str, ...]) -> None:
         self._node = node
         self._agents = agents
+        self._unexpected = set(agents)
         self._publishers: dict[str, Any] = {}
-        self._receivers: dict[str, Receivers] = {}
+        self._counts: dict[str, int] = {}
+        self._answering: frozenset[bytes] = frozenset()
         self._hosts: HostRegistry | None = None
         if len(agents) <= EARLY_TOPICS_MAX:
             for name in agents:
@@ -47,23 +49,40 @@ class PerceptSender:
         self._hosts = HostRegistry(self._node, self._agents, take, swarm, report)
 
     def look(self) -> bool:
-        """Update which hosts are present; return whether a receiver was newly discovered.
+        """Update who is present; return whether a receiver of percepts was newly discovered.
 
-        Discovery may find the successor of a killed process before it drops the killed one, or at
-        the same time.
+        However many agents there are, the ROS graph is asked once, for those that publish actions:
+        hosts announce themselves. Discovery may find the successor of a killed process before it
+        drops the killed one, or at the same time, so numbers of receivers do not show all changes.
         """
-        changed = [receivers.look() for receivers in self._receivers.values()]
-        return (self._hosts is not None and self._hosts.look()) or any(changed)
+        actions = self._node.resolve_topic_name(names.ACTIONS)
+        ends = self._node.get_publishers_info_by_topic(actions)
+        prefix = names.in_swarm(self._node, "")
+        for end in ends:
+            name = end.node_namespace.removeprefix(prefix)
+            if name in self._unexpected:
+                self._expect(name)  # the agent is present once discovery has matched it
+        before, answering = self._counts, self._answering
+        self._answering = frozenset(bytes(end.endpoint_gid) for end in ends)
+        self._counts = {
+            name: publisher.get_subscription_count()
+            for name, publisher in self._publishers.items()
+        }
+        new = any(count > before.get(name, 0) for name, count in self._counts.items())
+        hosts_changed = self._hosts is not None and self._hosts.look()
+        return hosts_changed or new or not self._answering <= answering
+
+    @property
+    def hosts(self) -> int:
+        """How many hosts were present at the last `look`."""
+        return 0 if self._hosts is None else self._hosts.present
 
     def has(self, agent: str) -> bool:
         """Return whether a node or a host answers for an agent."""
         if self._hosted(agent):
             return True
-        if agent in self._publishers:
-            return bool(self._publishers[agent].get_subscription_count())
-        if self._node.count_subscribers(names.in_swarm(self._node, agent, names.PERCEPT)):
-            self._expect(agent)  # the agent is present once discovery has matched it
-        return False
+        publisher = self._publishers.get(agent)
+        return publisher is not None and bool(publisher.get_subscription_count())
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send the percepts to all agents and hosts.
@@ -83,6 +102,5 @@ class PerceptSender:
 
     def _expect(self, agent: str) -> None:
         topic = names.in_swarm(self._node, agent, names.PERCEPT)
-        publisher = self._node.create_publisher(msg.Percept, topic, qos.CYCLE)
-        self._publishers[agent] = publisher
-        self._receivers[agent] = Receivers(self._node, publisher)
+        self._publishers[agent] = self._node.create_publisher(msg.Percept, topic, qos.CYCLE)
+        self._unexpected.discard(agent)

@@ -17,6 +17,7 @@ WORLD_PARAMETERS = {
     "seed": "of the run: episode i is seeded with it and i",
     "paused": "wait for a resume, step or play before the first cycle",
     "deadline": "s; in lockstep, how long to wait for an agent's answer",
+    "hosts": "how many hosts a world that has just started waits for before it plays",
     "swarm": "identity of its swarm; empty if none, and nothing to resume",
     "state_dir": "folder in which its state survives a restart of its process; empty if none",
     "snapshot_period": "s; how often its state is saved for a restart; 0 for never",
@@ -37,6 +38,7 @@ class WorldSettings(Parameters):
             "state_rate": between(0.1, 1000.0),
             "snapshot_period": between(0.0, 3600.0),
             "seed": NOT_NEGATIVE,
+            "hosts": NOT_NEGATIVE,
         }
     )
 
@@ -46,6 +48,7 @@ class WorldSettings(Parameters):
     paused: bool = False
     deadline: float = 5.0
     state_rate: float = 30.0
+    hosts: int = 0
     swarm: str = ""
     state_dir: str = ""
     snapshot_period: float = 1.0

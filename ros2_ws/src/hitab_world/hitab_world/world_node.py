@@ -51,6 +51,7 @@ TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting
 UNSAVED_FAULT = "unsaved"
 STOP_PERIOD_S = 0.5  # time between two reports whether an emergency stop holds the world
 STEPPED_DEADLINES = 3  # how many deadlines to wait for answers in a stepped cycle
+HOSTS_TIMEOUT_NS = 60 * NANOSECONDS  # time without a new host, after which none is waited for
 UNREAD_MAX = 100  # maximum number of events handled after a deadline, to find unread answers
 
 
@@ -99,6 +100,8 @@ class WorldNode(GuardedNode):
         self._restored = self.memory.restore()
         if self._restored:
             self.run_state.go_on()
+        self._awaited_hosts = 0 if self._restored else self.settings.hosts
+        self._hosts_until_ns = time.monotonic_ns() + HOSTS_TIMEOUT_NS
         self._world_services = WorldServices(
             self, self.run_state, self.memory, self._topics, self.update_presence
         )
@@ -151,8 +154,8 @@ class WorldNode(GuardedNode):
             if self.run_state.disturbed:
                 self._show(spinning)
             spinning.spin_once(timeout_sec=0.1)
-        elif self.control.lockstep and not self.round_answers.present:
-            spinning.spin_once(timeout_sec=0.1)  # no agent has joined yet
+        elif self._awaited_hosts or (self.control.lockstep and not self.round_answers.present):
+            spinning.spin_once(timeout_sec=0.1)  # percepts would only delay the start of the rest
         else:
             if self.run_state.begins:
                 self._begin_run(spinning)
@@ -196,6 +199,10 @@ class WorldNode(GuardedNode):
         if now >= self._next_status_ns:
             self._next_status_ns = now + STATUS_PERIOD_NS
             changed = self.update_presence()
+            if changed:
+                self._hosts_until_ns = now + HOSTS_TIMEOUT_NS
+            if self._percept_sender.hosts >= self._awaited_hosts or now >= self._hosts_until_ns:
+                self._awaited_hosts = 0
             if changed and not self.control.at_rest:
                 self.run_state.in_real_time = True  # the cycle of their arrival depends on a clock
             if changed or (self.round_answers.silent and self.control.paused):

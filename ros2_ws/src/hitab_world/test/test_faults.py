@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -142,14 +143,20 @@ class Running:
         return answer.result()
 
 
-@pytest.fixture
-def running() -> Iterator[Running]:
+@contextlib.contextmanager
+def running_world(*arguments: str) -> Iterator[Running]:
     with pytest.MonkeyPatch.context() as patch, reserved_domain() as number:
         patch.setenv("ROS_DOMAIN_ID", str(number))
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         assert os.environ["ROS_DOMAIN_ID"]
-        with spinner([]) as spinning:
+        with spinner(arguments) as spinning:
             yield Running(spinning)
+
+
+@pytest.fixture
+def running() -> Iterator[Running]:
+    with running_world() as running:
+        yield running
 
 
 def test_a_world_whose_step_fails_pauses_and_says_why_until_a_step_succeeds(running):
@@ -164,6 +171,20 @@ def test_a_world_whose_step_fails_pauses_and_says_why_until_a_step_succeeds(runn
     running.control("resume")
     running.plays()
     running.until(lambda: not running.status.faults)
+
+
+def test_a_world_of_hosts_does_not_play_before_they_are_there():
+    with running_world("--ros-args", "-p", "hosts:=1") as running:
+        peer, world = running.peer, running.node
+        world.control.pace = "realtime"
+        running.until(lambda: running.status.agents and not running.status.missing)
+        stamp = running.status.stamp
+        running.until(lambda: running.status.cycle or running.status.stamp is not stamp)
+        assert running.world.cycle == 0
+        peer.create_subscription(msg.PerceptBatch, "/farm/percepts", lambda batch: None, qos.CYCLE)
+        rosters = peer.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+        rosters.publish(msg.HostRoster(host="farm", number=1, agents=["a"]))
+        running.until(lambda: running.world.cycle)
 
 
 def test_who_cannot_be_shown_the_world_is_left_out_and_the_others_play(running):

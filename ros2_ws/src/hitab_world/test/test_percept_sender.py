@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
+from typing import Any
 
 import pytest
 from hitab_msgs import msg
@@ -14,6 +16,10 @@ from hitab_ros.testing import context_of_its_own, spin_until, wait_until
 from hitab_world.percept_sender import PerceptSender
 
 HOSTS = ("ours", "theirs", "nobodys")
+GRAPH_QUERIES = (
+    *("count_", "get_client_names", "get_node_names", "get_publishers"),
+    *("get_service_names", "get_subscri", "get_topic_names"),
+)
 
 
 @pytest.fixture
@@ -29,10 +35,17 @@ def nodes() -> Iterator[tuple[GuardedNode, GuardedNode]]:
             world.destroy_node()
 
 
+def percept_reader(agent: GuardedNode) -> Any:
+    """Subscribe to an agent's percepts as its process does, which then also offers to answer."""
+    reader = agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    agent.create_publisher(msg.Action, "/world/actions", qos.CYCLE)
+    return reader
+
+
 def test_who_takes_the_place_of_another_at_once_is_noticed_and_shown_the_world(nodes):
     world, agent = nodes
     sender = PerceptSender(world, ("a",))
-    first = agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    first = percept_reader(agent)
     wait_until(lambda: sender.has("a"))
     wait_until(lambda: not sender.look())
 
@@ -41,7 +54,7 @@ def test_who_takes_the_place_of_another_at_once_is_noticed_and_shown_the_world(n
         return {bytes(end.endpoint_gid) for end in ends}
 
     before = receivers()
-    agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    percept_reader(agent)
     agent.destroy_subscription(first)
     wait_until(lambda: len(receivers()) == 1 and receivers().isdisjoint(before))
     assert sender.has("a")
@@ -52,8 +65,8 @@ def test_who_takes_the_place_of_another_at_once_is_noticed_and_shown_the_world(n
 def test_a_killed_process_that_is_given_up_after_another_took_its_place_changes_nothing(nodes):
     world, agent = nodes
     sender = PerceptSender(world, ("a",))
-    killed = agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
-    agent.create_subscription(msg.Percept, "percept", lambda _: None, qos.CYCLE)
+    killed = percept_reader(agent)
+    percept_reader(agent)
     wait_until(lambda: world.count_subscribers("/a/percept") == 2)
     wait_until(lambda: sender.has("a"))
     wait_until(lambda: not sender.look())
@@ -89,3 +102,26 @@ def test_a_host_of_another_swarm_takes_no_agents_away_and_is_named(nodes):
     assert "it is of no swarm, not of pond-1" in refused[2]
     assert sender.has("a")
     executor.shutdown()
+
+
+@pytest.mark.parametrize("agents", [20, 100])
+def test_a_look_asks_the_ros_graph_once_however_many_agents_there_are(nodes, monkeypatch, agents):
+    world, agent = nodes
+    sender = PerceptSender(world, ("a", *(f"ant_{i}" for i in range(agents - 1))))
+    asked: list[str] = []
+
+    def noted(name: str, query: Any, *arguments: Any) -> Any:
+        asked.append(name)
+        return query(*arguments)
+
+    for name in dir(world):
+        if name.startswith(GRAPH_QUERIES):
+            monkeypatch.setattr(world, name, partial(noted, name, getattr(world, name)))
+    assert not sender.look()
+    assert len(asked) == 1
+    percept_reader(agent)
+    wait_until(lambda: sender.look() or sender.has("a"))
+    wait_until(lambda: sender.has("a") and not sender.look())
+    asked.clear()
+    sender.look()
+    assert len(asked) == 1

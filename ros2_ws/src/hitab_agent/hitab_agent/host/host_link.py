@@ -6,13 +6,13 @@ import time
 from array import array
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any, TypeVar
 
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_agent.agent_base import AgentBase
-from hitab_agent.guarded_tick import NO_ACTION, Action
+from hitab_agent.guarded_tick import NO_ACTION
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.round_gate import RoundGate
@@ -22,16 +22,10 @@ from hitab_ros.checks import too_far_ahead
 LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was delayed answers only the latest percepts."""
 
+T = TypeVar("T")
+
 CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """Fields that all percepts of a cycle share."""
-
-
-class _Perceiver(NamedTuple):
-    """An agent's node with its guarded methods: a failing agent does not affect the others."""
-
-    node: AgentBase
-    take_in: Callable[[Any], None]
-    answer: Callable[[Any], Action]
 
 
 class HostLink:
@@ -64,7 +58,7 @@ class HostLink:
         self._name = name
         self._outbox = outbox
         self._gate = RoundGate(orders)
-        self._perceivers: list[_Perceiver] = []
+        self._nodes: list[AgentBase] = []
         # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
         self._percept = SimpleNamespace()
         self._episode: tuple[int, int] | None = None
@@ -78,9 +72,7 @@ class HostLink:
 
     def add(self, node: AgentBase) -> None:
         """Make an agent perceive and act from the next announcement on."""
-        take_in = node.guard.wrap("perceiving", node.take_in)
-        answer = node.guard.wrap("acting", node.answer, otherwise=NO_ACTION)
-        self._perceivers.append(_Perceiver(node, take_in, answer))
+        self._nodes.append(node)
 
     def announce(self) -> None:
         """Announce the agents to the world, and listen."""
@@ -99,7 +91,7 @@ class HostLink:
             msg.HostRoster(
                 host=self._name,
                 number=self._answers.roster,
-                agents=[perceiver.node.agent_name for perceiver in self._perceivers],
+                agents=[node.agent_name for node in self._nodes],
                 swarm=self._swarm,
             )
         )
@@ -112,7 +104,7 @@ class HostLink:
             if batch.roster > answers.roster and not too_far_ahead(batch.roster):
                 self._publish_roster(batch.roster)
             return
-        if not _is_sound(batch, len(self._perceivers)):
+        if not _is_sound(batch, len(self._nodes)):
             self._host.guard.log(
                 "ignored percepts whose agents, counts and values do not match; their sender must "
                 "fill them in as msg/PerceptBatch says"
@@ -125,21 +117,19 @@ class HostLink:
         episode = (batch.seed, batch.episode)
         percept.restart |= self._episode is not None and episode != self._episode
         self._episode = episode
-        acting = [self._perceivers[index] for index in batch.agents]
+        acting = [self._nodes[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
-        values, end, heard_end = batch.values, 0, 0
+        values, all_heard, end, heard_end = batch.values, batch.heard, 0, 0
         with self._outbox.at_once() if batch.lockstep else self._outbox.held():
-            for perceiver, count, n_heard in zip(
-                acting, batch.value_counts, heard_counts, strict=True
-            ):
+            for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
                 begin, end = end, end + count
                 heard, heard_end = heard_end, heard_end + n_heard
                 percept.values = values[begin:end]
-                percept.heard = batch.heard[heard:heard_end]
-                perceiver.take_in(percept)
+                percept.heard = all_heard[heard:heard_end]
+                _guarded(node, "perceiving", node.take_in, percept)
         commanders: set[str] = set()
         if batch.lockstep:
-            commanders.update(*(perceiver.node.awaited_orders() for perceiver in acting))
+            commanders.update(*(node.awaited_orders() for node in acting))
         self._gate.begin(
             batch.sequence,
             commanders,
@@ -147,14 +137,14 @@ class HostLink:
             look=batch.look,
         )
 
-    def _answer(self, batch: msg.PerceptBatch, acting: Sequence[_Perceiver]) -> None:
+    def _answer(self, batch: msg.PerceptBatch, acting: Sequence[AgentBase]) -> None:
         """Make all agents that took in a percept of the batch act, and send the answer."""
         answers, percept = self._answers, self._percept
         with self._outbox.held():
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
-            for index, perceiver in zip(batch.agents, acting, strict=True):
-                action, say = perceiver.answer(percept)
+            for index, node in zip(batch.agents, acting, strict=True):
+                action, say = _guarded(node, "acting", node.answer, percept) or NO_ACTION
                 done.extend(action)
                 counts.append(len(action))
                 if say:
@@ -167,6 +157,21 @@ class HostLink:
         answers.speakers = speakers
         answers.said = said
         self._actions.publish(answers)
+
+
+def _guarded(node: AgentBase, key: str, call: Callable[[Any], T], percept: Any) -> T | None:
+    """Do one agent's part of a batch as its guard would, which costs more than most of the parts.
+
+    A failing agent does not affect the others.
+    """
+    try:
+        result = call(percept)
+    except Exception as error:
+        node.guard.failed(key, error)
+        return None
+    if node.guard.faults.by_key:
+        node.guard.faults.clear(key)
+    return result
 
 
 def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import re
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -189,7 +190,7 @@ def _another_domain(has_drivers: bool) -> str:
 
 def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
     """Refuse names that any other node in the ROS domain uses."""
-    taken = {name: agents.strangers[name] for name in record.agents if name in agents.strangers}
+    taken = dict(agents.strangers)
     if record.world and world.stranger is not None:
         taken["world"] = world.stranger
     if not taken:
@@ -221,24 +222,24 @@ def _answering(
         view = CommanderView(link, prefix, identity)
         view.watch(record.commanders)
         # Otherwise a commander starts with its known members, and the others join later.
-        commanders = record.commanders if _is_exact(swarm) else ()
+        groups = view.incomplete if _is_exact(swarm) else {}
         starting = RunningSwarm(folder, record, link, agents, world, view)
         total = len(record.agents) + record.world
         next_look = time.monotonic()
 
-        def missing() -> list[str]:
-            names = [name for name in record.agents if name not in agents.statuses]
-            names += view.incomplete(commanders) if not names else []
-            if record.world and (world.status is None or {*world.missing} & {*record.agents}):
-                names.append("world")
-            return names
+        def missing() -> Collection[str]:
+            if names := agents.unheard or groups:
+                return names
+            status = world.status
+            lacks = status is None or not agents.expected.keys().isdisjoint(status.missing)
+            return ("world",) if record.world and lacks else ()
 
         def complete() -> bool:
             nonlocal next_look
             _refuse_taken(record, agents, world)
             names = missing()
             if progress is not None:
-                progress(total - len(names), total, ", ".join(names[:3]))
+                _show(progress, names, total)
             if names and time.monotonic() >= next_look:
                 _refuse_failed(swarm.file, starting)
                 next_look = time.monotonic() + PROCESS_PERIOD_SECONDS
@@ -247,7 +248,7 @@ def _answering(
         running = len({member.process for member in swarm.members})
         allowed = SWARM_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
         if not link.spin_until(complete, allowed):
-            names = missing()
+            names = list(missing())
             lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
             raise SwarmError(
                 f"{some(names)} did not answer within {allowed:g} s; the end of "
@@ -255,6 +256,10 @@ def _answering(
                 Fix.DOCTOR(),
             )
         yield starting
+
+
+def _show(progress: Progress, missing: Collection[str], total: int) -> None:
+    progress(total - len(missing), total, ", ".join(itertools.islice(missing, 3)))
 
 
 def _is_exact(swarm: SwarmDescription) -> bool:
@@ -313,11 +318,17 @@ def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: Sequenc
     Only then are the faults of agents known. Until then commanders report these values as missing,
     which is not a fault in a swarm that has just started.
     """
-    statuses = agents.statuses
-    link.spin_until(
-        lambda: all(not s.faults if n in commanders else s.perceived for n, s in statuses.items()),
-        VALUES_SECONDS,
-    )
+    waiting = list(agents.statuses)
+    groups = {*commanders}
+
+    def all_perceive() -> bool:
+        while waiting and (status := agents.statuses.get(waiting[-1])) is not None:
+            if status.faults if waiting[-1] in groups else not status.perceived:
+                return False
+            waiting.pop()
+        return not waiting
+
+    link.spin_until(all_perceive, VALUES_SECONDS)
 
 
 def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
@@ -336,17 +347,16 @@ def _await_commanders(running: RunningSwarm, progress: Progress | None) -> Itera
     This process has heard all nodes, but the nodes discover each other one by one, which takes
     longer in a large swarm.
     """
-    commanders, groups = running.record.commanders, running.groups
+    commanders, missing = running.record.commanders, running.groups.incomplete
 
     def complete() -> bool:
-        names = groups.incomplete(commanders)
         if progress is not None:
-            progress(len(commanders) - len(names), len(commanders), ", ".join(names[:3]))
-        return not names
+            _show(progress, missing, len(commanders))
+        return not missing
 
     allowed = COMMANDERS_SECONDS + START_SECONDS_EACH * len(running.record.agents)
     if commanders and not running.link.spin_until(complete, allowed):
-        names = groups.incomplete(commanders)
+        names = list(missing)
         yield (
             f"{some(names)} {'does' if len(names) == 1 else 'do'} not hear all subordinates yet; "
             f"`{called()} tree --commanders --watch` shows when"

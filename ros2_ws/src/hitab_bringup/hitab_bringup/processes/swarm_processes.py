@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -126,12 +126,18 @@ def _world(
         "factor": world.factor,
         "seed": world.seed,
         "paused": world.paused,
+        "hosts": sum(map(_hosts_bodies, _shared(swarm).values())),
         "state_dir": _state(folder),
         **{f"parameters.{name}": value for name, value in world.parameters.items()},
         **own,
     }
     space, remap = swarm.full_name(WORLD), swarm.remap(world.remap)
     return Process(WORLD, world.module, (), space, remap, parameters)
+
+
+def _hosts_bodies(members: Sequence[AgentDescription]) -> bool:
+    """Whether the members of a process, which are several, include agents of a world."""
+    return len(members) > 1 and not all(isinstance(m, CommanderDescription) for m in members)
 
 
 def library_of(member: AgentDescription, folder: Path) -> Path:

@@ -44,6 +44,11 @@ class Order:
         """Epoch and sequence, to compare orders: the larger is newer."""
         return self.epoch, self.sequence
 
+    @property
+    def asks(self) -> bool:
+        """Whether subordinates should report values or their positions."""
+        return bool(self.report) or self.report_position
+
     def behavior_for(self, name: str, role: str) -> str | None:
         """Return the behavior that a subordinate should perform; None to continue."""
         for receiver in (name, role, ALL_OTHERS):

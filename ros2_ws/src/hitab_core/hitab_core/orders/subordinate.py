@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 from hitab_core.agent import Agent
 from hitab_core.errors import HitabError, LostBehaviorError
@@ -49,8 +50,9 @@ class Subordinate:
         self.round = 0
         self._asked: tuple[str, ...] = ()
         self._readers: list[Callable[[], float] | None] = []
-        self._reported: Report | None = None
+        self._reported: tuple[object, ...] = ()
         self._reported_at = -math.inf
+        self._reported_cycle = -1
         self._beaten = False
 
     # -- obeying ----------------------------------------------------------------------------
@@ -119,7 +121,7 @@ class Subordinate:
     @property
     def is_asked(self) -> bool:
         """Whether the commander has requested values or the position."""
-        return self.order is not None and bool(self.order.report or self.order.report_position)
+        return self.order is not None and self.order.asks
 
     # -- reporting --------------------------------------------------------------------------
 
@@ -135,7 +137,7 @@ class Subordinate:
         doing = self._doing()
         if doing == self._reported:
             order = self.order
-            if order is None or not (order.report or order.report_position):
+            if order is None or not order.asks:
                 return None
             # Tolerate half a millisecond, since times are sums of cycles.
             if 0.0 <= seconds - self._reported_at < order.report_period - 5e-4:
@@ -160,15 +162,13 @@ class Subordinate:
         return bool(was)
 
     def heartbeat(self) -> Report | None:
-        """Return a heartbeat report, unless there was a report since the last call.
+        """Return a report of the agent's cycle, unless there was a report since the last call.
 
-        There is none in lockstep, where only a missing report of a round makes a subordinate
-        silent.
+        There is none without a new percept, since signs of life of the agent's process suffice,
+        and none in lockstep, where each round has a report.
         """
-        if self.round:
-            return None
         beaten, self._beaten = self._beaten, False
-        if beaten:
+        if self.round or beaten or self.agent.cycle == self._reported_cycle:
             return None
         report = self.report()
         self._beaten = False
@@ -178,38 +178,36 @@ class Subordinate:
         """Return a report of the agent's activity now."""
         return self._report(self._doing())
 
-    def _doing(self) -> Report:
-        """Return the report without values and the cycle, which change all the time."""
+    def _doing(self) -> tuple[Any, ...]:
+        """Return the report's fields without values and times, which change all the time."""
         agent = self.agent
         epoch, sequence = self.order.number if self.order is not None else (0, 0)
         path: tuple[str, ...] = ()
         if agent.mode is not Mode.IDLE and not self.stopped:
             inside = self.order is not None and self.order.report_states
             path = (agent.behavior, *(agent.active_path if inside else ()))
-        return Report(
-            agent.name,
-            epoch,
-            sequence,
-            self.waits,
-            agent.mode.value,
-            self.stopped,
-            path,
-            tuple(sorted(agent.raised)),
-            episode=self.episode,
-            seed=self.seed,
-            round=self.round,
-        )
+        flags = tuple(sorted(agent.raised))
+        doing = epoch, sequence, self.waits, agent.mode.value, self.stopped, path, flags
+        return (*doing, self.episode, self.seed, self.round)
 
-    def _report(self, doing: Report, *, look: bool = False, restart: bool = False) -> Report:
+    def _report(
+        self, doing: tuple[Any, ...], *, look: bool = False, restart: bool = False
+    ) -> Report:
         self._reported = doing
+        self._reported_cycle = self.agent.cycle
         self._beaten = True
         values = tuple(NAN if read is None else value_or_nan(read) for read in self._readers)
-        return replace(
-            doing,
+        *activity, episode, seed, number = doing
+        return Report(
+            self.agent.name,
+            *activity,
             values=values,
             position=self._position(),
             cycle=self.agent.cycle,
+            episode=episode,
+            seed=seed,
             seconds=self.seconds,
+            round=number,
             look=look,
             restart=restart,
         )

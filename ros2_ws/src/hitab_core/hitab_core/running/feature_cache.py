@@ -117,6 +117,8 @@ class FeatureCache:
         A feature is listed from the first decision that had to do without until it has a value
         again, whether decisions still need it or not.
         """
+        if not self.missed:
+            return []
         for term in list(self.missed):
             try:
                 self.look(term)
@@ -154,7 +156,7 @@ class FeatureCache:
 
         The first percept reads each feature; later ones read the failed ones, used or not.
         """
-        if not self.perceived:
+        if not self.perceived or (self._failing is not None and not self._failing):
             return {}
         terms = _one_of_each(self._domain) if self._failing is None else self._failing
         self._failing = {}
