@@ -56,7 +56,7 @@ BUDGET = {
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1550,
+    "hitab_ros": 1620,
     "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,

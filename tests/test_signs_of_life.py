@@ -15,8 +15,7 @@ from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
-from hitab_client.signs_of_life import SignsOfLife
-from hitab_ros import names, qos
+from hitab_ros import SignsOfLife, names, qos
 
 SECONDS = 30.0
 SWARM = """\
@@ -48,7 +47,7 @@ def swarm(home: Path, tmp_path_factory) -> Iterator[RunningSwarm]:
 
 def listening(swarm: RunningSwarm) -> SignsOfLife:
     """Listen until every process was heard."""
-    signs = SignsOfLife(swarm.link, identity=swarm.record.identity)
+    signs = swarm.agents.signs_of_life(has_world=True)
     heard: dict[str, str] = {}
     swarm.link.subscribe(
         Alive, "/alive", lambda sign: heard.update({sign.process: sign.swarm}), qos.SIGNS_OF_LIFE

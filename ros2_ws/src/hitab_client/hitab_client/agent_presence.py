@@ -13,7 +13,7 @@ from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import Fix, has, some
-from hitab_ros import check_same_message_version, names, qos
+from hitab_ros import SignsOfLife, check_same_message_version, names, qos
 from hitab_ros.call import blocking
 
 DISCOVERY_SECONDS = 8.0
@@ -95,6 +95,19 @@ class AgentPresence:
         else:
             self.strangers[agent] = status.swarm
             self.statuses.pop(agent, None)
+
+    def signs_of_life(self, *, has_world: bool = False) -> SignsOfLife:
+        """Listen for signs of life of the swarm's processes from now on.
+
+        Args:
+            has_world: whether the swarm has started a world.
+        """
+        started = {*self.expected, *([names.WORLD] if has_world else [])}
+        return SignsOfLife(
+            self.link.node,
+            self.prefix,
+            lambda name, owner: is_own(owner, self.identity, started_by_it=name in started),
+        )
 
     def refuse_strangers(self, agents: Iterable[str]) -> None:
         """Check that none of these agents is known to belong to another swarm.

@@ -35,7 +35,7 @@ _SHARED_BY = 50  # processes that may announce themselves once a second
 _MISSED = 5  # missed announcements after which a process is dropped
 SHORTEST_LEASE_S = 30.0
 """Silence after which a process is dropped, s; longer than any pause on a busy machine. A dropped
-process that still runs is not fully rediscovered, so it restarts (`hitab_ros.suspensions`)."""
+process that still runs is not fully rediscovered, so it restarts (`hitab_ros.presence`)."""
 
 _NAMESPACE = "http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"
 

@@ -28,7 +28,7 @@ from hitab_ros.dds_sockets import stop_receiving, udp_sockets
 from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.suspensions import suspensions_noticed
+from hitab_ros.presence import suspensions_noticed
 
 _WAKE_S = 0.1
 

@@ -16,7 +16,6 @@ from hitab_msgs.msg import TransitionEvent
 from hitab_client import (
     CommanderView,
     RosLink,
-    SignsOfLife,
     Stops,
     SwarmClient,
     SwarmError,
@@ -122,11 +121,7 @@ class Observer:
         self._switch = EmergencySwitch(link.node, hands_on=True, known=known.emergency)
         self._stops = Stops(link, switch=self._switch)
         self._next_stops = 0.0
-        self._signs = SignsOfLife(
-            link,
-            (*target.agents, *([names.WORLD] if target.world else [])),
-            identity=target.identity,
-        )
+        self._signs = agents.signs_of_life(has_world=target.world)
         self._processes = Processes(target.folder)
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
@@ -148,7 +143,7 @@ class Observer:
         if state is None or state is self._shown or self._world.stranger is not None:
             return
         self._shown = state
-        self._signs.take_signs_of([names.WORLD])
+        self._signs.hear_known([names.WORLD])
         before, scene = self.known.scene, scene_of(state)
         self._remembered.see(scene)
         if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
@@ -169,7 +164,7 @@ class Observer:
         statuses = self._agents.statuses
         heard = {name for name, it in statuses.items() if known.statuses.get(name) is not it}
         if heard:
-            self._signs.take_signs_of(heard)
+            self._signs.hear_known(heard)
             is_new = bool(heard - known.statuses.keys())
             joined = time.monotonic() if is_new else known.joined
             self._know(statuses=MappingProxyType(dict(statuses)), joined=joined)
@@ -224,7 +219,7 @@ class Observer:
             now = time.monotonic()
             since = {name: before.get(name, now - seconds) for name, seconds in silent.items()}
             self._know(silent=MappingProxyType(since))
-        why = self._processes.why({*silent, *self.known.gone, *self.known.unheard})
+        why = self._processes.why({*silent, *self.known.unheard})
         if why != self.known.why:
             self._know(why=MappingProxyType(dict(why)))
 
@@ -253,14 +248,11 @@ class Observer:
         """Find agents that have joined or left."""
         node = self._link.node
         self._agents.discover()
-        before, now = self.known.gone, time.monotonic()
-        gone = {
-            name: before.get(name, now)
+        self._signs.set_gone(
+            name
             for name in self._agents.statuses
             if node.count_publishers(names.of_agent(name, names.STATUS, self._agents.prefix)) == 0
-        }
-        if gone != before:
-            self._know(gone=MappingProxyType(gone))
+        )
         self._update_elsewhere()
         self._find_robots()
         self._commanders.discover()

@@ -106,7 +106,7 @@ class Studio(StudioState):
         moves = scene is not before.shown
         # In a paused world, too, colors show the states of agents and whether they answer.
         does = known.statuses is not before.statuses and scene and scene.mode == "paused"
-        falls_silent = known.silent is not before.silent or known.gone != before.gone
+        falls_silent = known.silent is not before.silent
         messages = []
         if scene is not None and (moves or does or falls_silent):
             if self.present.draw(scene, known.doing()):

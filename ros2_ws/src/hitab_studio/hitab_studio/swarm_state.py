@@ -35,9 +35,8 @@ class SwarmState:
         statuses: the last `AgentStatus` of each agent, by name.
         joined: time at which the last new agent was heard, or else of the connection, on the
             monotonic clock, s.
-        gone: agents whose node has disappeared, with the time of this on the monotonic clock, s.
-        silent: agents, or `names.WORLD`, without signs of life, with the time of the last sign on
-            the monotonic clock, s.
+        silent: agents, or `names.WORLD`, that give no signs of life or have left the graph, with
+            the time of the last sign on the monotonic clock, s.
         why: reasons for the silence of processes, if the swarm's supervisor knows them.
         groups: the last `CommanderStatus` of each commander, by name.
         watched: states of the viewed agents, by name.
@@ -56,7 +55,6 @@ class SwarmState:
     scene: Scene | None = None
     statuses: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
     joined: float = -math.inf
-    gone: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
     silent: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
     why: Mapping[str, Silence] = field(default_factory=lambda: NO_ITEMS)
     groups: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
@@ -87,7 +85,7 @@ class SwarmState:
 
     def answers(self, agent: str) -> bool:
         """Whether an agent is present and gives signs of life."""
-        return agent in self.statuses and agent not in self.gone and agent not in self.silent
+        return agent in self.statuses and agent not in self.silent
 
     @property
     def world_answers(self) -> bool:

@@ -161,7 +161,7 @@ def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_no
     async def term(studio: Studio) -> None:
         stand_in.alive = ("world", "nobody")
         deadline = time.monotonic() + 60.0
-        while (observer := studio.link._observer) is None or len(observer._signs._heard) < 2:
+        while (observer := studio.link._observer) is None or len(observer._signs.last_signs) < 2:
             assert time.monotonic() < deadline, "the signs are heard"
             await asyncio.sleep(0.01)
         stand_in.alive = ()

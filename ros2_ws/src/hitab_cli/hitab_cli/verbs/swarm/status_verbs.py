@@ -17,8 +17,8 @@ from hitab_client.cli_remedies import as_command
 from hitab_core import Fix, each_once, natural, quantity, some
 
 if TYPE_CHECKING:
-    from hitab_client import SignsOfLife
     from hitab_client.run_processes import Silence
+    from hitab_ros import SignsOfLife
 
 AGENT_FIELDS = (
     "domain mode behavior active_path examples default_examples cycle library_digest last_error "
@@ -83,18 +83,14 @@ def _await_world(swarm_up: Connection) -> None:
 
 
 def _watch(swarm_up: Connection) -> NoReturn:
-    from hitab_client import SignsOfLife
-
-    started = (*swarm_up.agents.expected, *(["world"] if swarm_up.has_world else []))
-    signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
-
+    signs = swarm_up.agents.signs_of_life(has_world=swarm_up.has_world)
     last: dict[str, Any] = {}
 
     def shown() -> list[Any]:
         nonlocal last
         swarm_up.agents.discover()
         now = {**swarm_up.agents.statuses, "world": swarm_up.world.status}
-        signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
+        signs.hear_known(name for name, it in now.items() if it is not last.get(name))
         last = now
         silent = _silent(swarm_up, signs)
         return _rendered(_status_data(swarm_up, silent), silent)

@@ -75,15 +75,11 @@ def _drive(swarm_up: Connection, agent: str, speed: float, turn: float) -> None:
 
     from hitab_cli.views.driving_view import lines
     from hitab_cli.views.terminal_keys import END, TerminalKeys
-    from hitab_client import SignsOfLife
     from hitab_client.demonstrating import KeyboardInput
 
     demonstrator = demonstrator_of(swarm_up, agent, asks=True)
     keyboard = KeyboardInput(demonstrator, speed, turn)
-    agents = swarm_up.agents
-    signs = SignsOfLife(
-        swarm_up.link, agents.expected, prefix=agents.prefix, identity=agents.identity
-    )
+    signs = swarm_up.agents.signs_of_life()
     ended = help_wanted = False
     before: list[Text] = []
     with (
