@@ -15,24 +15,13 @@ from hitab_client.run_processes import RunProcesses
 from hitab_core import Fix, has, some
 from hitab_ros import SignsOfLife, check_same_message_version, names, qos
 from hitab_ros.call import blocking
+from hitab_ros.timing import DISCOVERY_EACH_S, DISCOVERY_S, LOOK_EACH_S, POLL_S, SETTLE_S
 
-DISCOVERY_SECONDS = 8.0
-"""Discovery time, s; usually less than a second, sometimes several."""
-
-DISCOVERY_SECONDS_EACH = 0.02
-"""Additional discovery time per agent, s, since discovery time grows with the swarm."""
+DISCOVERY_SECONDS = DISCOVERY_S
+"""The name by which `swarm_client` has it."""
 
 WATCHED_MAX = 100
 """Maximum number of agents that are all watched; in a larger swarm, only the requested ones."""
-
-PRESENCE_CHECK_SECONDS = 0.25
-"""Period of checks of topics and processes, s; a check costs more than an event from DDS."""
-
-LOOK_SECONDS_EACH = 0.002
-"""Additional period per agent, s: a check of the topics of a thousand agents takes 0.1 s."""
-
-SETTLE_SECONDS = 1.5
-"""Time without a new agent, s, after which no other is expected."""
 
 
 class AgentPresence:
@@ -137,7 +126,7 @@ class AgentPresence:
 
     @blocking
     async def await_agents(
-        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
+        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_S
     ) -> list[str]:
         """Wait for these agents, by default for the expected ones; return the agents that are up.
 
@@ -175,7 +164,7 @@ class AgentPresence:
         return self.agents()
 
     @blocking
-    async def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
+    async def await_agent(self, agent: str, seconds: float = DISCOVERY_S) -> AgentStatus:
         """Wait for an agent and return its status.
 
         Raises:
@@ -214,7 +203,7 @@ class AgentPresence:
     @property
     def more_seconds(self) -> float:
         """Additional time to wait for a node of the swarm, s."""
-        return DISCOVERY_SECONDS_EACH * len(self.expected)
+        return DISCOVERY_EACH_S * len(self.expected)
 
     @property
     def _is_large(self) -> bool:
@@ -233,13 +222,13 @@ class AgentPresence:
         now = time.monotonic()
         if now < self._looks_at:
             return False
-        self._looks_at = now + PRESENCE_CHECK_SECONDS + LOOK_SECONDS_EACH * len(self.expected)
+        self._looks_at = now + POLL_S + LOOK_EACH_S * len(self.expected)
         return True
 
     @property
     def _is_settled(self) -> bool:
         """Whether no new agent has reported for a while."""
-        return time.monotonic() > self._newest_at + SETTLE_SECONDS
+        return time.monotonic() > self._newest_at + SETTLE_S
 
     def _absence(self, agent: str, waited: float) -> SwarmError:
         """Return the error for an agent that did not answer for some seconds."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 from hitab_msgs import msg
 
 from hitab_agent import AgentNode
+from hitab_robots.process_state import REPLACED_AFTER_S
 from hitab_robots.relay_process import RELAY_HUNG_S, RelayProcess
 from hitab_robots.settings import HEARTBEAT
 from hitab_ros import Presence, StopState, names, qos, steady_timer, stop_report, why_stopped
 from hitab_ros.timing import REPEAT_S, STOP_REPORT_PERIOD_S
-
-FIRST_SIGN_TIMEOUT_S = 10.0
-"""How long a relay may take to give its first sign of life, s."""
 
 
 class RelayWatch:
@@ -39,7 +37,7 @@ class RelayWatch:
         self._cause = ""
         self._is_replaced = False
         self._presence = Presence(RELAY_HUNG_S, STOP_REPORT_PERIOD_S)
-        self._hear_relay(0.0 if process is None else FIRST_SIGN_TIMEOUT_S)
+        self._hear_relay(0.0 if process is None else REPLACED_AFTER_S)
         self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
         node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.STREAM)
         steady_timer(node, STOP_REPORT_PERIOD_S, self._look)
@@ -65,10 +63,10 @@ class RelayWatch:
             self._node.guard.log(trouble)
             self._set_why(trouble)
             self._is_replaced = True
-            if unheard_s >= REPEAT_S - FIRST_SIGN_TIMEOUT_S:
+            if unheard_s >= REPEAT_S - REPLACED_AFTER_S:
                 self._process.start()
-                self._hear_relay(FIRST_SIGN_TIMEOUT_S)
-                unheard_s = -FIRST_SIGN_TIMEOUT_S
+                self._hear_relay(REPLACED_AFTER_S)
+                unheard_s = -REPLACED_AFTER_S
         elif unheard_s > RELAY_HUNG_S:
             self._set_why(f"its {names.VELOCITY_RELAY} gives no sign of life")
         if self._process is not None and self._is_replaced and unheard_s < 0.0:

@@ -34,7 +34,7 @@ from hitab_core import some
 from hitab_core.library.durable_files import write_durably
 from hitab_robots.bases import Bases, name_of
 from hitab_robots.left_goals import LeftGoals
-from hitab_robots.process_state import waits_for_cpu_or_disk
+from hitab_robots.process_state import REPLACED_AFTER_S, waits_for_cpu_or_disk
 from hitab_robots.settings import (
     AGENT_VELOCITY_TOPIC,
     BASE_TOPIC,
@@ -43,7 +43,7 @@ from hitab_robots.settings import (
     RelaySettings,
     declare,
 )
-from hitab_robots.velocity import NO_VELOCITY, Drive, Gate, Velocity
+from hitab_robots.velocity import NO_VELOCITY, SILENT_S, Drive, Gate, Velocity
 from hitab_ros import (
     GuardedNode,
     KnownStops,
@@ -65,18 +65,9 @@ AGENT = "agent"
 SILENCE = "silence"
 """The stop's cause for a silent agent."""
 
-GOALS_SILENT_S = 0.3
-"""The agent's silence, s, after which the relay of a stopped robot cancels the agent's goals."""
-
 AGENT_HUNG_S = 1.0
 """Silence, s, of an agent on this machine that is suspended or waits; then the robot must be
 re-armed."""
-
-SILENT_S = 3.0
-"""Silence, s, of any other agent, after which the robot must be re-armed."""
-
-KILLED_S = 10.0
-"""Silence, s, after which an agent is killed, if a supervisor restarts it."""
 
 STANDSTILL = (0.02, 0.02, 0.05)
 """Largest speeds of a robot that stands still, by its odometry, m/s, m/s and rad/s."""
@@ -207,8 +198,8 @@ class VelocityRelay(GuardedNode):
         may_hang = self._agent_pid and not waits_for_cpu_or_disk(self._agent_pid)
         if unheard_s >= (AGENT_HUNG_S if may_hang else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")
-        if unheard_s >= KILLED_S and self._kills and not self._gate.closed:
-            self.get_logger().error(f"kills the agent, which has hung for {KILLED_S:g} s")
+        if unheard_s >= REPLACED_AFTER_S and self._kills and not self._gate.closed:
+            self.get_logger().error(f"kills the agent, which has hung for {REPLACED_AFTER_S:g} s")
             os.kill(self._agent_pid, signal.SIGKILL)
 
     def _stands(self) -> bool:
@@ -233,7 +224,9 @@ class VelocityRelay(GuardedNode):
             self._send(velocity)
         elif self._gate.closed:
             self.finished()
-        if self._gate.closed or (stopped and self._presence.age(AGENT) >= GOALS_SILENT_S):
+        # Of a stopped robot's agent, three signs of life are missed: it cannot cancel its goals.
+        is_silent = self._presence.age(AGENT) >= 3 * STOP_REPORT_PERIOD_S
+        if self._gate.closed or (stopped and is_silent):
             self._goals.cancel()
 
     def _send(self, velocity: Velocity) -> None:

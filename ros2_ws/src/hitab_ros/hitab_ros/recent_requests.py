@@ -10,10 +10,9 @@ import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-Answer = TypeVar("Answer")
+from hitab_ros.timing import ANSWER_S
 
-ANSWER_MEMORY_S = 60.0
-"""Time for which an answer is remembered, s; no client repeats a request for longer."""
+Answer = TypeVar("Answer")
 
 ANSWERS_MAX = 1000
 """Maximum number of answers remembered."""
@@ -30,9 +29,7 @@ class RecentRequests(Generic[Answer]):
     def came_of(self, client: str, number: int) -> Answer | None:
         """Return the answer to a request, or None if the request is new."""
         found = self._kept.get((client, number))
-        return (
-            found[1] if found is not None and self._clock() - found[0] <= ANSWER_MEMORY_S else None
-        )
+        return found[1] if found is not None and self._clock() - found[0] <= 4 * ANSWER_S else None
 
     def keep(self, client: str, number: int, answer: Answer) -> None:
         """Store an answer, if the client numbers its requests."""
@@ -45,6 +42,6 @@ class RecentRequests(Generic[Answer]):
         # The oldest come first; drop those that are too old or too many.
         while (
             len(self._kept) > ANSWERS_MAX
-            or now - next(iter(self._kept.values()))[0] > ANSWER_MEMORY_S
+            or now - next(iter(self._kept.values()))[0] > 4 * ANSWER_S
         ):
             del self._kept[next(iter(self._kept))]

@@ -24,6 +24,7 @@ from hitab_client import (
 from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
+from hitab_ros.timing import FOUND_S, HEARTBEAT_S, SETTLE_S
 from hitab_studio.agent_watch import AgentWatch
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
@@ -34,20 +35,11 @@ from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
 
-STOPS_PERIOD_S = 0.5
-"""Period of the search for robots that can be stopped, s; a search lists all topics."""
-
-ARM_TIMEOUT_S = 3.0
-"""Timeout to find a robot that is re-armed, s."""
-
 STATE_CHANGES_KEPT = 60
 """State changes kept for each agent."""
 
 FOLLOWED_MAX = 40
 """Agents whose state changes are kept before a page views them; each subscription has a cost."""
-
-WORLD_WAIT_S = 1.0
-"""Time by which a running world has been heard, s."""
 
 
 @dataclass
@@ -157,7 +149,7 @@ class Observer:
         self._look_at_stops()
         known = self.known
         if (now := time.monotonic()) >= self._next_stops:
-            self._next_stops = now + STOPS_PERIOD_S
+            self._next_stops = now + HEARTBEAT_S
             self._stops.look()
         if self._world.status is not known.world:
             self._know(world=self._world.status)
@@ -269,7 +261,7 @@ class Observer:
         known = self.known
         target = known.target
         if known.world is None and known.scene is None and not (target and target.world):
-            waited = time.monotonic() > known.joined + WORLD_WAIT_S
+            waited = time.monotonic() > known.joined + SETTLE_S
             if known.robots is None and known.statuses and waited:
                 self._know(robots=Robots())
             if known.statuses:
@@ -307,7 +299,7 @@ class Observer:
             SwarmError: if the robot is missing or refuses.
         """
         robot = f"{self._agents.prefix}/{agent}".strip("/")
-        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_TIMEOUT_S), agent)
+        await self._ask(lambda _: self._stops.arm.coroutine(robot, FOUND_S), agent)
 
     # -- recording --------------------------------------------------------------------------
 

@@ -12,15 +12,13 @@ from typing import Any
 from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
+from hitab_ros.timing import ANSWER_S
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.received_vocabulary import NO_ITEMS
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT_MODE, Scene, state_shown
 from hitab_studio.swarm_finder import SwarmTarget
-
-JOINING_SECONDS = 15.0
-"""Time after the last new agent for which the studio waits for more agents."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ class SwarmState:
     @property
     def is_waiting(self) -> bool:
         """Whether agents that were never heard may still appear."""
-        return bool(self.unheard) and time.monotonic() < self.joined + JOINING_SECONDS
+        return bool(self.unheard) and time.monotonic() < self.joined + ANSWER_S
 
     def answers(self, agent: str) -> bool:
         """Whether an agent is present and gives signs of life."""

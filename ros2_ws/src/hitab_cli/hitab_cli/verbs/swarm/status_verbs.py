@@ -15,6 +15,7 @@ from hitab_client import SwarmError, console
 from hitab_client.cli_options import JsonPath, SwarmName
 from hitab_client.cli_remedies import as_command
 from hitab_core import Fix, each_once, natural, quantity, some
+from hitab_ros.timing import SETTLE_S
 
 if TYPE_CHECKING:
     from hitab_client.run_processes import Silence
@@ -29,8 +30,6 @@ WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing la
 
 WAYS_MAX = 10
 """Maximum number of shown remedies."""
-
-HAND_STARTED_WORLD_SECONDS = 1.0  # timeout for a world that was started by hand
 
 
 def status(
@@ -76,7 +75,7 @@ def _await_world(swarm_up: Connection) -> None:
 
     world = swarm_up.world
     if swarm_up.record is None:
-        swarm_up.link.spin_until(lambda: world.status is not None, HAND_STARTED_WORLD_SECONDS)
+        swarm_up.link.spin_until(lambda: world.status is not None, SETTLE_S)
     elif swarm_up.has_world:
         with suppress(SwarmError):  # a missing world is shown with the silent agents
             world.wait()
