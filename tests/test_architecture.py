@@ -58,11 +58,11 @@ BUDGET = {
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1620,
+    "hitab_ros": 1600,
     "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29250,
+    "tests": 29340,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 REPLACED_AFTER_S = 10.0
-"""Silence of an agent or of a starting relay, s, after which its process is replaced; a relay starts
+"""Silence of an agent or of a starting relay, s, after which it is replaced; a relay starts
 faster even on a busy machine."""
 
 
