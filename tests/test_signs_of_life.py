@@ -72,7 +72,9 @@ def test_a_process_that_hangs_is_noticed_with_all_whom_it_runs(swarm, process, s
     signs = listening(swarm)
     with hanging(swarm, process):
         # On a busy machine another one may be late, but not for long.
-        assert swarm.link.spin_until(lambda: signs.silent().keys() == silent, SECONDS)
+        assert swarm.link.spin_until(lambda: signs.silent().keys() == silent, SECONDS), (
+            signs.silent()
+        )
     assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS), "it is heard again"
 
 
