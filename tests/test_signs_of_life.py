@@ -57,6 +57,8 @@ def listening(swarm: RunningSwarm) -> SignsOfLife:
         SECONDS,
     ), heard
     assert set(heard.values()) == {swarm.record.identity}
+    # A host that hangs cannot tell any more whom it runs.
+    assert swarm.link.spin_until(lambda: signs.last_signs.keys() == ALL, SECONDS), signs.last_signs
     assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS)
     return signs
 
