@@ -15,8 +15,7 @@ from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
-from hitab_client.signs_of_life import SignsOfLife
-from hitab_ros import names, qos
+from hitab_ros import SignsOfLife, names, qos
 
 SECONDS = 30.0
 SWARM = """\
@@ -48,7 +47,7 @@ def swarm(home: Path, tmp_path_factory) -> Iterator[RunningSwarm]:
 
 def listening(swarm: RunningSwarm) -> SignsOfLife:
     """Listen until every process was heard."""
-    signs = SignsOfLife(swarm.link, identity=swarm.record.identity)
+    signs = swarm.agents.signs_of_life(has_world=True)
     heard: dict[str, str] = {}
 
     def hear(sign: Alive) -> None:
@@ -60,6 +59,8 @@ def listening(swarm: RunningSwarm) -> SignsOfLife:
         SECONDS,
     ), heard
     assert set(heard.values()) == {swarm.record.identity}
+    # A host that hangs cannot tell any more whom it runs.
+    assert swarm.link.spin_until(lambda: signs.last_signs.keys() == ALL, SECONDS), signs.last_signs
     assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS)
     return signs
 
@@ -75,7 +76,9 @@ def test_a_process_that_hangs_is_noticed_with_all_whom_it_runs(swarm, process, s
     signs = listening(swarm)
     with hanging(swarm, process):
         # On a busy machine another one may be late, but not for long.
-        assert swarm.link.spin_until(lambda: signs.silent().keys() == silent, SECONDS)
+        assert swarm.link.spin_until(lambda: signs.silent().keys() == silent, SECONDS), (
+            signs.silent()
+        )
     assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS), "it is heard again"
 
 

@@ -23,7 +23,7 @@ from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.robot_link import OwnStop, link_class
 from hitab_agent.settings import AgentParameters
 from hitab_agent.status_publisher import StatusPublisher
-from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
+from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.training_topic import TrainingTopic
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
@@ -45,6 +45,7 @@ from hitab_ros import names
 from hitab_ros.conversions import term_of
 from hitab_ros.diagnostics import Diagnosis
 from hitab_ros.stamps import seconds_of
+from hitab_ros.timing import HEARTBEAT_S
 
 
 class AgentNode(AgentBase):

@@ -13,9 +13,7 @@ from collections.abc import Callable
 
 from hitab_agent.scheduler import Scheduler
 from hitab_ros import GuardedNode
-
-DEMAND_PERIOD_S = 0.25
-AGENTS_PER_S = 500.0  # a search for clients takes time in proportion to the number of agents
+from hitab_ros.timing import LOOK_EACH_S, POLL_S
 
 
 class EndpointsOnDemand:
@@ -32,7 +30,7 @@ class EndpointsOnDemand:
         self._host = host
         self._services: dict[str, Callable[[], object]] = {}
         self._topics: dict[str, Callable[[], object]] = {}
-        scheduler.every(max(DEMAND_PERIOD_S, agents / AGENTS_PER_S), self.look)
+        scheduler.every(max(POLL_S, agents * LOOK_EACH_S), self.look)
 
     def add_services(self, node: GuardedNode, offer: Callable[[], None]) -> None:
         """Call ``offer`` once, when a client of a service below the node's namespace appears."""

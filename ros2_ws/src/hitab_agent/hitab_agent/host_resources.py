@@ -16,19 +16,14 @@ from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
 from hitab_ros import GuardedNode, names
 from hitab_ros.diagnostics import Diagnostics
+from hitab_ros.timing import AT_ONCE_S, TURN_S
 
 if TYPE_CHECKING:
     from hitab_agent.host.host_link import HostLink
 
-STATUS_PERIOD_S = 0.05
-"""The path of active states may change every cycle; it is published at most this often."""
-
 STATUSES_AT_ONCE = 15
 """A host publishes at most this many statuses in a period, 300 a second, so that being watched
 costs less than running."""
-
-REPORTS_PERIOD_S = 0.01
-"""How long a report waits for others of the same host, s."""
 
 
 class HostResources:
@@ -62,9 +57,9 @@ class HostResources:
         self.nodes: list[AgentBase] = []
         self.host = node if agents else None
         self.scheduler = Scheduler(node)
-        self.statuses = JobQueue(node, STATUS_PERIOD_S, STATUSES_AT_ONCE)
+        self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
         self.orders = OrderSubscriptions(node)
-        self.outbox = ReportOutbox(node, JobQueue(node, REPORTS_PERIOD_S) if agents else None)
+        self.outbox = ReportOutbox(node, JobQueue(node, TURN_S) if agents else None)
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])

@@ -8,8 +8,7 @@ from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
 from hitab_ros import Receivers, names, qos
-
-SUBSCRIBER_PERIOD_S = 0.25
+from hitab_ros.timing import POLL_S
 
 
 class PerceptLog:
@@ -25,7 +24,7 @@ class PerceptLog:
         self._receivers: Receivers | None = None
         self._last: msg.Percept | None = None
         if node.shared.host is None:
-            node.shared.scheduler.every(SUBSCRIBER_PERIOD_S, self._look, node.guard)
+            node.shared.scheduler.every(POLL_S, self._look, node.guard)
 
     def tell(self, percept: msg.Percept) -> None:
         """Publish a percept that the agent is about to take in."""

@@ -11,18 +11,12 @@ from threading import Thread
 from typing import Any
 
 from hitab_ros import Guard, GuardedNode, name_of, steady_timer
+from hitab_ros.timing import TURN_S
 
 Call = Callable[[], Any]
 
-TURN_S = 0.02
-"""The functions of one rate are called in turns at least this far apart, so that a host with
-hundreds of them does not delay an order until all have run."""
-
 SLICE_S = 0.005
 """How long queued jobs run before other callbacks get their turn; far less than a cycle."""
-
-PAUSE_S = 0.001
-"""The pause between two slices, in which other callbacks run."""
 
 Job = Iterator[Future[Any] | None]
 """A job yields where it may be interrupted: None, or a call that must end before it continues."""
@@ -83,7 +77,9 @@ class _Rate:
 
     def add(self, call: Call) -> None:
         self._calls.append(call)
-        turns = min(len(self._calls), max(1, int(self._seconds / TURN_S)))
+        # Functions of one rate are called in turns, so that a host with hundreds of them does
+        # not delay an order until all have run.
+        turns = min(len(self._calls), max(1, int(self._seconds / (2 * TURN_S))))
         if turns != self._turns:
             self._turns = turns
             self._timer.timer_period_ns = round(self._seconds / turns * 1e9)
@@ -103,7 +99,7 @@ class JobQueue:
     """
 
     def __init__(
-        self, node: GuardedNode, period_s: float = PAUSE_S, at_most: int | None = None
+        self, node: GuardedNode, period_s: float = SLICE_S / 5, at_most: int | None = None
     ) -> None:
         """Create the timer, stopped.
 

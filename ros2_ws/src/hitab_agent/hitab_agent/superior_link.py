@@ -8,8 +8,6 @@ from hitab_agent.agent_base import AgentBase
 from hitab_core.orders import Order, Report, Subordinate
 from hitab_ros import names
 
-HEARTBEAT_S = 0.5
-
 
 class SuperiorLink:
     """Obeys a commander's orders as they arrive, and reports to it.

@@ -15,12 +15,7 @@ from hitab_core.assistant import unsaved_cost
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import cost_message, remark_messages
-
-TRAINING_PERIOD_S = 0.1
-"""Minimum time between two messages, s."""
-
-CALM_S = 1.0
-"""Time without changes before questions are searched, s; the search takes up to a second."""
+from hitab_ros.timing import SETTLE_S, UPDATE_S
 
 
 class TrainingTopic:
@@ -66,7 +61,7 @@ class TrainingTopic:
                 msg.Training, names.TRAINING, qos.LATCHED
             )
             self._jobs = JobQueue(self._node)
-            self._scheduler.every(TRAINING_PERIOD_S, self.look, self._node.guard)
+            self._scheduler.every(UPDATE_S, self.look, self._node.guard)
 
     def notice(self) -> int:
         """Compare the training and the mode with those published last; return the revision."""
@@ -98,7 +93,7 @@ class TrainingTopic:
             self._publish(msg.Training(agent=self._agent.name, revision=self._last), state)
         elif self._publisher.get_subscription_count():
             self._publish(self._message(session), state)
-            self._next = time.monotonic() + TRAINING_PERIOD_S
+            self._next = time.monotonic() + UPDATE_S
 
     def _publish(self, message: msg.Training, state: tuple[int, bool]) -> None:
         self._published = state
@@ -129,7 +124,7 @@ class TrainingTopic:
             and self._jobs is not None
             and self._searched != self.revision
             and not self._searching
-            and now >= self._changed_at + CALM_S
+            and now >= self._changed_at + SETTLE_S
             and self._publisher.get_subscription_count()
         ):
             self._searching = True

@@ -11,8 +11,7 @@ from rclpy.node import Node
 from hitab_core.running import Change
 from hitab_ros import SparingLog, names, qos
 from hitab_ros.conversions import values_message
-
-_LINE_S = 0.2  # time between two lines of the log, after a first burst
+from hitab_ros.timing import POLL_S
 
 
 class TransitionLog:
@@ -50,7 +49,7 @@ class TransitionLog:
         if not listened:
             self._write = None
         elif self._write is None:
-            self._write = SparingLog(self._node.get_logger().info, refill_s=_LINE_S)
+            self._write = SparingLog(self._node.get_logger().info, refill_s=POLL_S)
 
     def observe(self, change: Change) -> None:
         """Publish a state change; see `RunContext.observe`.

@@ -41,12 +41,12 @@ def test_up_waits_until_commanders_hear_everybody_or_says_that_they_do_not_yet(g
     view = CommanderView(link, identity=RECORD.identity)
     view.watch(RECORD.commanders)
     running = SimpleNamespace(record=RECORD, link=link, groups=view)
-    monkeypatch.setattr(bringing_up, "START_SECONDS_EACH", 0.0)
-    monkeypatch.setattr(bringing_up, "COMMANDERS_SECONDS", 0.1)
+    monkeypatch.setattr(bringing_up, "DISCOVERY_EACH_S", 0.0)
+    monkeypatch.setattr(bringing_up, "ANSWER_S", 0.1)
     publish(False, True)
     (said,) = bringing_up._await_commanders(running, None)
     assert said.startswith("captain does not hear all subordinates yet")
-    monkeypatch.setattr(bringing_up, "COMMANDERS_SECONDS", 60.0)
+    monkeypatch.setattr(bringing_up, "ANSWER_S", 60.0)
     seen = []
 
     def progress(done: int, total: int, missing: str) -> None:

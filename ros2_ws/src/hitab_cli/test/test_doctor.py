@@ -172,11 +172,11 @@ def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
 
     with RosLink(alone) as link:
         say(link, "a", "nothing heard on /scan")
-        monkeypatch.setattr(runs, "DOCTOR_TIMEOUT_SECONDS", 0.5)
+        monkeypatch.setattr(runs, "FOUND_S", 0.5)
         mute, *_ = runs.faults()
         assert mute.level == "warning"
         assert mute.text.endswith("b of red did not answer within 0.5 s")
-        monkeypatch.setattr(runs, "DOCTOR_TIMEOUT_SECONDS", 60.0)
+        monkeypatch.setattr(runs, "FOUND_S", 60.0)
         say(link, "b")
         found = one(runs.faults())
         assert (found.level, found.text) == ("warning", "a: nothing heard on /scan")

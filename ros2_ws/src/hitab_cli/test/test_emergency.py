@@ -91,7 +91,7 @@ class Field:
 
 @pytest.fixture
 def field(domain_id, monkeypatch):
-    monkeypatch.setattr(emergency, "CONFIRM_S", 5.0)
+    monkeypatch.setattr(emergency, "ANSWER_S", 5.0)
     field = Field(domain_id)
     yield field
     field.close()
@@ -222,7 +222,7 @@ def test_a_robot_that_was_out_of_reach_obeys_when_it_is_back_though_the_stop_is_
     field, capfd, monkeypatch
 ):
     """The command keeps publishing the stop until all confirm, however long that takes."""
-    monkeypatch.setattr(emergency, "CONFIRM_S", 0.2)
+    monkeypatch.setattr(emergency, "ANSWER_S", 0.2)
     comes_back = threading.Event()
     monkeypatch.setattr(
         emergency.console,

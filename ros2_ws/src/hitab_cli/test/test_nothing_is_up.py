@@ -44,7 +44,7 @@ def nothing_up(tmp_path, monkeypatch):
 
 @pytest.fixture
 def impatient(monkeypatch):
-    monkeypatch.setattr(swarm_choice, "LOOKUP_SECONDS", 0.01)
+    monkeypatch.setattr(swarm_choice, "FOUND_S", 0.01)
 
 
 def test_verbs_that_need_a_swarm_fail_with_the_remedy(impatient, capfd):
@@ -73,7 +73,7 @@ def test_what_the_registry_knows_is_said_before_ros_is_loaded(nothing_up):
 
 def test_nodes_that_were_started_by_hand_are_found(monkeypatch):
     number = domain_ids.chosen_by_user()
-    monkeypatch.setattr(swarm_choice, "LOOKUP_SECONDS", 0.01)
+    monkeypatch.setattr(swarm_choice, "FOUND_S", 0.01)
     with RosLink(number) as agent, RosLink(number) as link:
         with pytest.raises(Exception, match="no swarm answers in ROS domain"):
             swarm_choice.look_elsewhere(link)
@@ -82,7 +82,7 @@ def test_nodes_that_were_started_by_hand_are_found(monkeypatch):
         with pytest.raises(Exception, match="no swarm answers in ROS domain"):
             swarm_choice.look_elsewhere(link)
         agent.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
-        monkeypatch.setattr(swarm_choice, "LOOKUP_SECONDS", 30.0)
+        monkeypatch.setattr(swarm_choice, "FOUND_S", 30.0)
         swarm_choice.look_elsewhere(link)
 
 
@@ -94,7 +94,7 @@ def elsewhere(monkeypatch):
         status = AgentStatus(agent="lone", mode=AgentStatus.IDLE, swarm=identity)
         publisher = link.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
         publisher.publish(status)
-        monkeypatch.setattr(swarm_choice, "LOOKUP_SECONDS", 30.0)
+        monkeypatch.setattr(swarm_choice, "FOUND_S", 30.0)
         yield identity, lambda swarm: publisher.publish(AgentStatus(agent="lone", swarm=swarm))
 
 

@@ -29,7 +29,6 @@ from .learned import Training as Training
 from .ros_link import RosLink as RosLink
 from .run_folder import RunFolder as RunFolder
 from .run_folder import RunRecord as RunRecord
-from .signs_of_life import SignsOfLife as SignsOfLife
 from .stops import Stops as Stops
 from .swarm_client import SwarmClient as SwarmClient
 from .users import user_name as user_name

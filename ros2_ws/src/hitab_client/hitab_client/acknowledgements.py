@@ -10,12 +10,10 @@ from hitab_msgs.msg import DistributionAck
 
 from hitab_client.ros_link import RosLink
 from hitab_ros import names, qos
+from hitab_ros.timing import PROMPT_S
 
 QUIET_SECONDS = 10.0
 """Maximum time between two acknowledgements, s; missing ones are then given up."""
-
-HEARING_SECONDS = 2.0
-"""Timeout for the acknowledgement topics to connect, s."""
 
 
 @dataclass
@@ -79,7 +77,7 @@ class Acknowledgements:
                     unheard.discard(agent)
             return not unheard
 
-        await self._link.until(heard, HEARING_SECONDS, 0.01)
+        await self._link.until(heard, PROMPT_S, 0.01)
 
     async def gather(
         self,

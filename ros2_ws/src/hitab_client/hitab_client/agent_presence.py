@@ -13,26 +13,14 @@ from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import Fix, has, some
-from hitab_ros import check_same_message_version, names, qos
+from hitab_ros import SignsOfLife, check_same_message_version, names, qos
 from hitab_ros.call import blocking
+from hitab_ros.timing import DISCOVERY_EACH_S, DISCOVERY_S, LOOK_EACH_S, POLL_S, SETTLE_S
 
-DISCOVERY_SECONDS = 8.0
-"""Discovery time, s; usually less than a second, sometimes several."""
-
-DISCOVERY_SECONDS_EACH = 0.02
-"""Additional discovery time per agent, s, since discovery time grows with the swarm."""
+"""The name by which `swarm_client` has it."""
 
 WATCHED_MAX = 100
 """Maximum number of agents that are all watched; in a larger swarm, only the requested ones."""
-
-PRESENCE_CHECK_SECONDS = 0.25
-"""Period of checks of topics and processes, s; a check costs more than an event from DDS."""
-
-LOOK_SECONDS_EACH = 0.002
-"""Additional period per agent, s: a check of the topics of a thousand agents takes 0.1 s."""
-
-SETTLE_SECONDS = 1.5
-"""Time without a new agent, s, after which no other is expected."""
 
 
 def is_older(status: AgentStatus, known: AgentStatus) -> bool:
@@ -107,6 +95,19 @@ class AgentPresence:
             self.strangers[agent] = status.swarm
             self.statuses.pop(agent, None)
 
+    def signs_of_life(self, *, has_world: bool = False) -> SignsOfLife:
+        """Listen for signs of life of the swarm's processes from now on.
+
+        Args:
+            has_world: whether the swarm has started a world.
+        """
+        started = {*self.expected, *([names.WORLD] if has_world else [])}
+        return SignsOfLife(
+            self.link.node,
+            self.prefix,
+            lambda name, owner: is_own(owner, self.identity, started_by_it=name in started),
+        )
+
     def refuse_strangers(self, agents: Iterable[str]) -> None:
         """Check that none of these agents is known to belong to another swarm.
 
@@ -135,7 +136,7 @@ class AgentPresence:
 
     @blocking
     async def await_agents(
-        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
+        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_S
     ) -> list[str]:
         """Wait for these agents, by default for the expected ones; return the agents that are up.
 
@@ -173,7 +174,7 @@ class AgentPresence:
         return self.agents()
 
     @blocking
-    async def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
+    async def await_agent(self, agent: str, seconds: float = DISCOVERY_S) -> AgentStatus:
         """Wait for an agent and return its status.
 
         Raises:
@@ -212,7 +213,7 @@ class AgentPresence:
     @property
     def more_seconds(self) -> float:
         """Additional time to wait for a node of the swarm, s."""
-        return DISCOVERY_SECONDS_EACH * len(self.expected)
+        return DISCOVERY_EACH_S * len(self.expected)
 
     @property
     def _is_large(self) -> bool:
@@ -231,13 +232,13 @@ class AgentPresence:
         now = time.monotonic()
         if now < self._looks_at:
             return False
-        self._looks_at = now + PRESENCE_CHECK_SECONDS + LOOK_SECONDS_EACH * len(self.expected)
+        self._looks_at = now + POLL_S + LOOK_EACH_S * len(self.expected)
         return True
 
     @property
     def _is_settled(self) -> bool:
         """Whether no new agent has reported for a while."""
-        return time.monotonic() > self._newest_at + SETTLE_SECONDS
+        return time.monotonic() > self._newest_at + SETTLE_S
 
     def _absence(self, agent: str, waited: float) -> SwarmError:
         """Return the error for an agent that did not answer for some seconds."""

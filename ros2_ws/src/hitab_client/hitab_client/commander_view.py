@@ -13,9 +13,9 @@ from hitab_client.ros_link import RosLink
 from hitab_core import some
 from hitab_ros import names, qos
 from hitab_ros.names import GROUP
+from hitab_ros.timing import POLL_S
 
 GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"
-LATER_SECONDS = 0.3
 
 
 class CommanderView:
@@ -85,9 +85,9 @@ class CommanderView:
 
         if not self._link.spin_until(complete, seconds, waiting_for=missing) or not wanted:
             # A commander discovered a little later belongs in the tree, too.
-            self._link.spin_until(lambda: False, LATER_SECONDS)
+            self._link.spin_until(lambda: False, POLL_S)
             self.discover()
-            self._link.spin_until(lambda: self._watched <= self.groups.keys(), LATER_SECONDS)
+            self._link.spin_until(lambda: self._watched <= self.groups.keys(), POLL_S)
 
 
 @dataclass(frozen=True)

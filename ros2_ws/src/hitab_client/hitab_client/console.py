@@ -12,15 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from hitab_client.cli_remedies import with_commands
 from hitab_core import HitabError
+from hitab_ros.timing import REPEAT_S
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-
-SECONDS_BELOW = 2.0
-"""Separator of two states shown one below the other."""
 
 PIPED_WIDTH = 10_000
 """Width in columns if the output is not a terminal, where nothing has to fit."""
@@ -51,7 +49,7 @@ def live(shown: Any) -> Iterator[Callable[[Any], None]]:
         with screen.capture() as captured:
             screen.print(state)
         if captured.get() != last and time.monotonic() >= due:
-            last, due = captured.get(), time.monotonic() + SECONDS_BELOW
+            last, due = captured.get(), time.monotonic() + REPEAT_S
             say(last.rstrip("\n"))
 
     if screen.is_dumb_terminal:

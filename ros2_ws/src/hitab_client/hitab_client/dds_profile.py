@@ -11,6 +11,8 @@ from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
 
+from hitab_ros.timing import POLL_S
+
 VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """The variables that older and newer versions of Fast DDS read."""
 
@@ -30,12 +32,11 @@ NETWORK = Path(__file__).with_name("dds_network.xml")
 PORTS = 120
 """Maximum number of processes with their own ports in a ROS domain."""
 
-_QUICKEST_S = 0.25  # between two announcements
-_SHARED_BY = 50  # processes that may announce themselves once a second
+_SHARED_BY = 50  # processes that may announce themselves each second
 _MISSED = 5  # missed announcements after which a process is dropped
 SHORTEST_LEASE_S = 30.0
 """Silence after which a process is dropped, s; longer than any pause on a busy machine. A dropped
-process that still runs is not fully rediscovered, so it restarts (`hitab_ros.suspensions`)."""
+process that still runs is not fully rediscovered, so it restarts (`hitab_ros.presence`)."""
 
 _NAMESPACE = "http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"
 
@@ -92,7 +93,7 @@ def profile_for(folder: Path, processes: int) -> Path:
     """
     from xml.etree import ElementTree
 
-    period = max(_QUICKEST_S, (processes / _SHARED_BY) ** 2)
+    period = max(POLL_S, (processes / _SHARED_BY) ** 2)
     tree: Any = ElementTree.parse(LOOPBACK)
     _set_duration(tree, "leaseAnnouncement", period)
     _set_duration(tree, "leaseDuration", max(SHORTEST_LEASE_S, _MISSED * period))

@@ -11,14 +11,13 @@ import traceback
 from collections.abc import Iterator
 from types import FrameType
 
+from hitab_ros.timing import TURN_S
+
 _came: list[int] = []
 _depth = 0
 
 FROM_C = "pymunk._callbacks"
 """Module whose functions are called from C, where an exception would be lost."""
-
-SIGNAL_REPEAT_S = 0.01
-"""Delay after which a signal that arrived in such a function is raised again, s."""
 
 
 def handle_interruptions() -> None:
@@ -66,7 +65,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     if _depth and not _came:
         _came.append(number)
     elif any(f.f_globals.get("__name__") == FROM_C for f, _ in traceback.walk_stack(frame)):
-        threading.Timer(SIGNAL_REPEAT_S, os.kill, (os.getpid(), number)).start()
+        threading.Timer(TURN_S, os.kill, (os.getpid(), number)).start()
     elif number == signal.SIGINT:
         raise KeyboardInterrupt
     else:

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from hitab_client.dds_profile import RANGE, is_of_this_machine
 from hitab_client.errors import SwarmError
+from hitab_ros.timing import POLL_S
 
 DOMAINS = 233
 """Number of ROS domains; ports for more would be above 65535."""
@@ -24,7 +25,6 @@ DOMAINS = 233
 SERVER = "ROS_DISCOVERY_SERVER"
 SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
 SERVER_PORT, DISCARD = 11811, 9
-PORT_TIMEOUT_SECONDS = 0.2  # time within which a machine refuses connections to an unused port
 
 RANGES = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT", "OFF")
 
@@ -78,7 +78,7 @@ def _without_server(said: str, here: bool) -> Iterator[Problem]:
 def _no_answer(host: str, port: int) -> str:
     """Return why a port receives no messages; empty if it may."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.settimeout(PORT_TIMEOUT_SECONDS)
+        probe.settimeout(POLL_S)
         try:
             probe.connect((host, port))
             probe.send(b"")

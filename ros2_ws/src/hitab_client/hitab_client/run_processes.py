@@ -18,15 +18,7 @@ from hitab_client.run_folder import RunRecord
 from hitab_core import Fix, some
 from hitab_ros.exit_codes import DO_NOT_RESTART
 from hitab_ros.names import WORLD
-
-SUPERVISOR_TIMEOUT_SECONDS = 5.0
-"""Timeout for the answer of the supervisor of a swarm that is up, s."""
-
-STARTING_TIMEOUT_SECONDS = 60.0
-"""Timeout for the answer of a supervisor that is starting many processes, s."""
-
-FRESH_SECONDS = 0.3
-"""Time for which an answer of the supervisor is used, s."""
+from hitab_ros.timing import DISCOVERY_S, POLL_S, START_S
 
 ENDED_STATES = ("EXITED", "FATAL", "UNKNOWN")
 STOPPED_STATES = ("STOPPED", "STOPPING")
@@ -49,9 +41,7 @@ class _SocketTransport(Transport):
         return connection
 
 
-def process_states(
-    record: RunRecord, seconds: float = STARTING_TIMEOUT_SECONDS
-) -> list[dict[str, Any]]:
+def process_states(record: RunRecord, seconds: float = START_S) -> list[dict[str, Any]]:
     """Return the supervisor's data on each process: name, statename, pid, exitstatus.
 
     Args:
@@ -76,7 +66,7 @@ def process_states(
 def answers(record: RunRecord) -> bool:
     """Whether the supervisor answers; it does not while starting."""
     try:
-        process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
+        process_states(record, DISCOVERY_S)
     except SwarmError:
         return False
     return True
@@ -120,7 +110,7 @@ class RunProcesses:
         }
         self._states: Mapping[str, Mapping[str, Any]] = {}
         self._silences: dict[str, Silence | None] = {}
-        self._asked = -FRESH_SECONDS
+        self._asked = -POLL_S
 
     @property
     def are_known(self) -> bool:
@@ -183,11 +173,10 @@ class RunProcesses:
 
     def _ask(self) -> None:
         """Ask the supervisor again if the last answer is too old."""
-        if self._record is not None and time.monotonic() > self._asked + FRESH_SECONDS:
+        if self._record is not None and time.monotonic() > self._asked + POLL_S:
             try:
                 self._states = {
-                    state["name"]: state
-                    for state in process_states(self._record, SUPERVISOR_TIMEOUT_SECONDS)
+                    state["name"]: state for state in process_states(self._record, DISCOVERY_S)
                 }
             except SwarmError:
                 self._states = {}

@@ -13,17 +13,9 @@ from hitab_client.ros_link import RosLink
 from hitab_core import natural, some
 from hitab_ros import EmergencySwitch, names, qos, why_stopped
 from hitab_ros.call import blocking
+from hitab_ros.timing import CONNECT_S, HEARTBEAT_S, SILENT_AFTER_S
 
 TYPE = "hitab_msgs/msg/StopState"
-
-FRESH_S = 1.0
-"""Time for which a report is valid, s; reports arrive several times a second."""
-
-REPEAT_S = 0.5
-"""Period of messages to robots that have not confirmed an emergency stop, s."""
-
-SETTLED_S = 0.7
-"""Time without a new robot or world, s, after which all are known."""
 
 
 class Stops:
@@ -79,7 +71,7 @@ class Stops:
         for name in of_robots | set(self._expected):
             topic = f"/{name}/{names.STOP_STATE}"
             when, report = self._reports.get(topic, (0.0, None))
-            if report is not None and time.monotonic() - when < FRESH_S:
+            if report is not None and time.monotonic() - when < SILENT_AFTER_S:
                 yield name, report
             elif name in self._expected or self._is_there(name):
                 yield name, None
@@ -155,7 +147,7 @@ class Stops:
         until = time.monotonic() + seconds
         while topic not in self._reports and time.monotonic() < until:
             self.look()
-            await self.link.until(lambda: topic in self._reports, REPEAT_S)
+            await self.link.until(lambda: topic in self._reports, HEARTBEAT_S)
         if topic not in self._reports:
             known = some(self.names()) if self.names() else "none is there"
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {known}")
@@ -198,7 +190,7 @@ class Stops:
             says = engaged or Stops.settled(ends)  # a release ends only known stops
             for end in ends if says else ():
                 end.say(by, reason, engaged=engaged)
-            Stops.listen(ends, REPEAT_S)
+            Stops.listen(ends, HEARTBEAT_S)
             lacking = {
                 end.label(name, ends): why
                 for end in ends
@@ -225,4 +217,4 @@ class Stops:
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:
         """Whether no new robot or world was found for a while."""
-        return all(time.monotonic() - end.found_at > SETTLED_S for end in ends)
+        return all(time.monotonic() - end.found_at > CONNECT_S for end in ends)

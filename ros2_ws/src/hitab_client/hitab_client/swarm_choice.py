@@ -19,15 +19,10 @@ from hitab_client.run_folder import (
     state_home,
 )
 from hitab_core import Fix, Remedy, has
+from hitab_ros.timing import FOUND_S, PROMPT_S, SETTLE_S
 
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
-
-LOOKUP_SECONDS = 3.0
-"""Discovery time for a swarm that the registry does not know, s."""
-
-ALONE_SECONDS = 2.0
-"""Search time if no other node is found, s; on an idle machine the first node takes 0.1 s."""
 
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 
@@ -198,7 +193,7 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
     Raises:
         SwarmError: if there are no such nodes, or nodes in several namespaces.
     """
-    from hitab_client.agent_presence import SETTLE_SECONDS, AgentPresence
+    from hitab_client.agent_presence import AgentPresence
 
     where = f"ROS domain {link.node.context.get_domain_id()}"
 
@@ -209,19 +204,17 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
     def is_occupied() -> bool:
         return len(link.node.get_node_names()) > 1
 
-    if not (
-        link.spin_until(is_occupied, ALONE_SECONDS) and link.spin_until(spaces, LOOKUP_SECONDS)
-    ):
+    if not (link.spin_until(is_occupied, PROMPT_S) and link.spin_until(spaces, FOUND_S)):
         which = f"namespace {namespace} of {where}" if namespace else where
         raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))
     prefixes: set[str] = set()
     while prefixes != (prefixes := spaces() or prefixes):
-        link.spin_until(lambda: False, SETTLE_SECONDS)
+        link.spin_until(lambda: False, SETTLE_S)
     agents = [AgentPresence(link, prefix=space, identity=identity) for space in sorted(prefixes)]
     if len(agents) > 1:
         for some_agents in agents:
             some_agents.discover()
-        link.spin_until(lambda: all(a.statuses or a.strangers for a in agents), SETTLE_SECONDS)
+        link.spin_until(lambda: all(a.statuses or a.strangers for a in agents), SETTLE_S)
         agents = [a for a in agents if a.statuses] or agents
     if len(agents) > 1:
         namespaces = ", ".join(a.prefix or "/" for a in agents)

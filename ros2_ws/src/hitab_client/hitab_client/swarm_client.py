@@ -11,7 +11,7 @@ from hitab_msgs.msg import Training as TrainingMessage
 from hitab_msgs.srv import GetBehavior, GetReport, GetVocabulary, ReadFeatures
 
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
-from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
+from hitab_client.agent_presence import AgentPresence
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
@@ -20,16 +20,14 @@ from hitab_core import Fix
 from hitab_core.operations import Command, Distribute, LoadLibrary, Operation
 from hitab_ros import names, qos
 from hitab_ros.busy_timeout import BusyTimeout
-from hitab_ros.call import CALL_SECONDS, Turns, blocking
+from hitab_ros.call import Turns, blocking
 from hitab_ros.conversions import cost_of, request_of
+from hitab_ros.timing import ANSWER_S, DISCOVERY_S
 
 if TYPE_CHECKING:
     from hitab_client.learned import Learned, Training
     from hitab_client.world_client import WorldClient
     from hitab_core.assistant import TrainingCost
-
-PUBLISHED_SECONDS = 15.0
-"""Timeout for an agent to publish its training, s; it looks for questions first."""
 
 SERVICES_PER_BATCH = 50
 """Number of services called at the same time; a host creates each when its client appears."""
@@ -73,7 +71,7 @@ class SwarmClient(AgentPresence):
         agent: str,
         operation: Operation,
         *,
-        seconds: float = CALL_SECONDS,
+        seconds: float = ANSWER_S,
         world: WorldClient | None = None,
     ) -> Any:
         """Have an agent carry out an operation, and return the answer of its service.
@@ -115,7 +113,7 @@ class SwarmClient(AgentPresence):
         service: str,
         request: Any,
         *,
-        seconds: float = CALL_SECONDS,
+        seconds: float = ANSWER_S,
     ) -> Any:
         """Call one of an agent's services and return its answer.
 
@@ -128,7 +126,7 @@ class SwarmClient(AgentPresence):
                 kind,
                 names.of_agent(agent, service, self.prefix),
                 request,
-                missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
+                missing=lambda: self._absence(agent, DISCOVERY_S),
                 where=agent,
                 seconds=seconds,
                 over=lambda: self.processes.is_lost(agent),
@@ -171,7 +169,7 @@ class SwarmClient(AgentPresence):
             return training.revision >= wanted and (training.searched or not searched)
 
         if not await self.link.until(
-            has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
+            has_come, ANSWER_S, 0.01, lambda: f"what {agent} is being trained"
         ):
             raise self.processes.reason(agent) or SwarmError(
                 "it does not publish its training", Fix.LOGS(node=agent), where=agent

@@ -18,19 +18,17 @@ from hitab_ros import names, qos
 from hitab_ros.call import blocking
 from hitab_ros.conversions import remedies_of
 from hitab_ros.stamps import seconds_of
+from hitab_ros.timing import FOUND_S, PROMPT_S, REPEAT_S
 
 NO_WORLD = "no world answers; is a swarm with a world up?"
 NOT_SIMULATED = (
     "this swarm has no world: its swarm file names none, and none that was started by hand "
     "answers; only a world can be driven"
 )
-WORLD_DISCOVERY_SECONDS = 2.0  # timeout for a world that the swarm has not started
-STATUS_DELAY_SECONDS = 3.0  # maximum delay of a status after an answer
 MODE_AFTER_REQUEST = {
     Control.Request.PAUSE: WorldState.PAUSED,
     Control.Request.RESUME: WorldState.RUNNING,
 }
-SPEED_SECONDS = 1.0  # averaging time of the world's speed
 NAN = float("nan")
 
 
@@ -91,7 +89,7 @@ class WorldClient:
             self._first_stamp = now, simulated
         elif now > self._first_stamp[0]:
             self.speed = (simulated - self._first_stamp[1]) / (now - self._first_stamp[0])
-            if now - self._first_stamp[0] > SPEED_SECONDS:
+            if now - self._first_stamp[0] > REPEAT_S:
                 self._first_stamp = now, simulated
 
     @blocking
@@ -103,7 +101,7 @@ class WorldClient:
         """
         own = names.WORLD in self._processes
         if self._processes.are_known and not own:
-            seconds = min(seconds, WORLD_DISCOVERY_SECONDS)
+            seconds = min(seconds, PROMPT_S)
 
         is_lost = self._processes.is_lost
 
@@ -170,9 +168,7 @@ class WorldClient:
 
         Until it arrives, a command would rely on the world's former status.
         """
-        await self.link.until(
-            lambda: self.status is None or right(self.status), STATUS_DELAY_SECONDS
-        )
+        await self.link.until(lambda: self.status is None or right(self.status), FOUND_S)
 
     @property
     def is_paused(self) -> bool:

@@ -16,7 +16,7 @@ def test_what_is_kept_up_to_date_ends_with_its_last_state_in_a_pipe(capsys):
 def test_a_terminal_that_cannot_go_back_gets_each_state_below_the_one_before(capsys, monkeypatch):
     monkeypatch.setenv("TERM", "dumb")
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
-    monkeypatch.setattr(console, "SECONDS_BELOW", 0.0)
+    monkeypatch.setattr(console, "REPEAT_S", 0.0)
     with console.live("first") as update:
         update("first")
         update("second")

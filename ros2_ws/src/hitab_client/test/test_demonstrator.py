@@ -13,12 +13,13 @@ from hitab_client.demonstrating import (
     KeyboardInput,
     outcome,
 )
-from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, RELAY_TIMEOUT_S
+from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import BoundedNumber, Term
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.call import Caller, blocking
 from hitab_ros.conversions import number_messages
+from hitab_ros.timing import FOUND_S
 
 ONE, TWO = "robot_1", "robot_2"
 NUMBERS = [
@@ -148,7 +149,7 @@ class Desk:
         self.keyboard = KeyboardInput(self.demonstrator, 0.2, 0.8, clock)
         self.demonstrator.choose(ONE)
         self.demonstrator.look()
-        self.now += RELAY_TIMEOUT_S + 1.0
+        self.now += FOUND_S + 1.0
 
     def press(self, *keys: str) -> str:
         for key in keys:

@@ -105,7 +105,7 @@ def test_a_supervisor_that_does_not_answer_is_no_reason_either(tmp_path):
 
 
 def test_the_supervisor_is_not_asked_for_each_agent(team, monkeypatch):
-    monkeypatch.setattr(run_processes, "FRESH_SECONDS", 1000.0)
+    monkeypatch.setattr(run_processes, "POLL_S", 1000.0)
     asked = []
     monkeypatch.setattr(
         run_processes,

@@ -14,9 +14,10 @@ from hitab_commander.group_status import GroupStatus
 from hitab_commander.rounds import Lockstep, Round
 from hitab_core import RESERVED_NAMES, Mode
 from hitab_core.orders import Order, Report
-from hitab_ros import names, qos
+from hitab_ros import ListenedTime, names, qos
 from hitab_ros.conversions import order_message
 from hitab_ros.stamps import time_of
+from hitab_ros.timing import POLL_S
 
 EPISODES_KNOWN = 8
 """How many past episodes are remembered, so that a late report does not seem to begin one."""
@@ -54,6 +55,7 @@ class CommanderLink:
         self._lockstep = Lockstep(self.body)
         self._gate = RoundGate(shared.orders)
         self.seconds = 0.0
+        self._listened = ListenedTime(max(POLL_S, 2.0 / self.body.kind.rate))
         self._episode: Episode | None = None
         self._episodes: list[Episode] = []
         self._percept = msg.Percept()
@@ -69,7 +71,7 @@ class CommanderLink:
             settings.roles,
             # An epoch larger than that of any earlier process, even if the clock was set back.
             max(time.time_ns(), epoch + 1 if isinstance(epoch, int) else 0),
-            time.monotonic(),
+            self._listened.now(),
             asks_position=settings.asks_position,
         )
         self.body.on_order = self._on_order
@@ -94,7 +96,7 @@ class CommanderLink:
 
     def _on_reports(self, message: msg.Reports) -> None:
         body = self.body
-        now = time.monotonic()
+        now = self._listened.now()
         changed = restart = False
         newest = body.number
         for report in message.reports:
@@ -187,8 +189,8 @@ class CommanderLink:
     # -- deciding in real time --------------------------------------------------------------
 
     def _on_time(self) -> None:
-        body = self.body
-        body.now = now = time.monotonic()
+        body, now = self.body, time.monotonic()
+        body.now = self._listened.now()
         silent = [body.is_silent(name) for name in body.members]
         if silent != self._silent:
             self._silent, self.calm = silent, False

@@ -17,10 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hitab_commander.commander_body import CommanderBody
+from hitab_commander.kind_reader import TIME_MAX_S
 from hitab_core.orders import Report
-
-ROUNDING_S = 1e-6
-"""Tolerance for the rounding errors of times, which are sums of cycles, s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +100,8 @@ class Lockstep:
         if present.restart:
             self._began_at = present.seconds
         seconds = present.seconds - self._began_at
-        period = int((seconds + ROUNDING_S) * self._body.kind.rate)
+        # Times are sums of cycles, so tolerate their rounding errors.
+        period = int((seconds + 1.0 / TIME_MAX_S) * self._body.kind.rate)
         due = self._news or present.restart or period != self._period
         self._news, self._period = False, period
         return due and self._body.ready

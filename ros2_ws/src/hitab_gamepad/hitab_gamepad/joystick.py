@@ -15,12 +15,7 @@ from hitab_gamepad.joystick_mapping import Mapping
 from hitab_gamepad.stick import Stick
 from hitab_ros import qos, steady_timer
 from hitab_ros.stamps import seconds_of
-
-PRESENCE_PERIOD_S = 0.1
-"""Time between two checks whether the joystick is lost, s."""
-
-DISCOVERY_TIMEOUT_S = 3.0
-"""How long a joystick may take to be found, s."""
+from hitab_ros.timing import FOUND_S, UPDATE_S
 
 
 @dataclass(frozen=True)
@@ -57,7 +52,7 @@ class JoystickInput:
         self._held: _Held | None = None
         # The guard must not check and drop messages: one with NaN has to stop the robot.
         self._node.create_subscription(Joy, topic, self._take, qos.STREAM, checked=False)
-        steady_timer(self._node, PRESENCE_PERIOD_S, self._look)
+        steady_timer(self._node, UPDATE_S, self._look)
 
     def _take(self, message: Joy) -> None:
         now = time.monotonic()
@@ -135,7 +130,7 @@ class JoystickInput:
             self._was_there, self._held = False, None
             self._demonstrator.let_go()
             self._report_trouble("the joystick is silent: driving by hand has stopped")
-        elif not self._trouble and now > self._began + DISCOVERY_TIMEOUT_S:
+        elif not self._trouble and now > self._began + FOUND_S:
             number = self._node.context.get_domain_id()
             topic = self._node.resolve_topic_name(self._topic)
             self._report_trouble(

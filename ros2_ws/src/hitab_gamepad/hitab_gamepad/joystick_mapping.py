@@ -16,6 +16,7 @@ from hitab_core import BoundedNumber, Term, VocabularyError, has
 from hitab_core.library import kind_of
 from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record
 from hitab_core.library.yaml_places import Complaints, Place, read_text, read_yaml
+from hitab_ros.timing import PROMPT_S
 
 FORMAT = 1
 """The newest format version that is read."""
@@ -26,9 +27,6 @@ WAYS = ("ahead", "left", "turn")
 
 DEFLECTION_MIN = 0.5
 """Deflection of a stick, as a fraction of 1, from which on its direction counts."""
-
-TIMEOUT_MAX_S = 2.0
-"""A lost joystick is noticed within this time, s."""
 
 
 class Button(Record):
@@ -156,7 +154,7 @@ class Mapping(Record):
         Field(default_factory=dict)
     )
     deadzone: float = Field(default=0.1, ge=0.0, le=0.9)
-    timeout: float = Field(default=0.5, ge=0.05, le=TIMEOUT_MAX_S)
+    timeout: float = Field(default=0.5, ge=0.05, le=PROMPT_S)
 
     @property
     def buttons_min(self) -> int:

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 from hitab_client.demonstrating import STILL, Velocity
 from hitab_core import quantity
 from hitab_gamepad.joystick_mapping import WAYS, Mapping
-
-BOUNCE_S = 0.05
-"""Two presses within this time, s, count as one, since contacts bounce."""
+from hitab_ros.timing import AT_ONCE_S
 
 
 @dataclass(frozen=True)
@@ -90,7 +88,7 @@ class Stick:
         hold = self._mapping.hold
         # Buttons that were down in the first message have not been pressed.
         held = hold in self._down and hold in self._pressed_at
-        bounced = {b for b, at in self._pressed_at.items() if now < at + BOUNCE_S}
+        bounced = {b for b, at in self._pressed_at.items() if now < at + AT_ONCE_S}
         pressed = [b for b in others if held and b != hold and b not in bounced]
         for name in others:
             self._pressed_at[name] = now

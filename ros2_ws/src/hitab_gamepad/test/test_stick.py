@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_gamepad.joystick_mapping import read_mapping
-from hitab_gamepad.stick import BOUNCE_S, Stick, StickActions
+from hitab_gamepad.stick import Stick, StickActions
+from hitab_ros.timing import AT_ONCE_S
 
 MAPPING = read_mapping("xbox")
 A, LB, RB = 0, 4, 5
@@ -96,7 +97,7 @@ def test_only_the_moment_counts_in_which_a_button_goes_down(player):
     assert player.send(LB, A).pressed == ("A",)
 
 
-@given(st.lists(st.tuples(st.booleans(), st.floats(0.0, 2 * BOUNCE_S)), max_size=60))
+@given(st.lists(st.tuples(st.booleans(), st.floats(0.0, 2 * AT_ONCE_S)), max_size=60))
 def test_a_contact_that_flaps_presses_its_button_no_faster_than_a_person(flaps):
     player = Player(Stick(MAPPING))
     player.send()
@@ -105,7 +106,7 @@ def test_a_contact_that_flaps_presses_its_button_no_faster_than_a_person(flaps):
     for down, after in flaps:
         if player.send(LB, *([A] if down else []), after=after).pressed:
             pressed.append(player.now)
-    assert all(later - earlier >= BOUNCE_S - 1e-9 for earlier, later in pairwise(pressed))
+    assert all(later - earlier >= AT_ONCE_S - 1e-9 for earlier, later in pairwise(pressed))
 
 
 def test_without_the_switch_nothing_counts_but_the_emergency_stop(player):

@@ -17,11 +17,10 @@ from hitab_rcssserver.messages import (
     decode,
     parse_message,
 )
+from hitab_ros.timing import REPEAT_S
 from hitab_world import WorldError
 
 PROTOCOL_VERSION = 15
-INIT_TIMEOUT_SECONDS = 0.5
-"""How long to wait for the answer to ``(init ...)``; a server polls every 10 ms."""
 
 _DATAGRAM = 65_536
 
@@ -134,7 +133,7 @@ def connect(
     team: str = "",
     *,
     goalie: bool = False,
-    answer_seconds: float = INIT_TIMEOUT_SECONDS,
+    answer_seconds: float = REPEAT_S,
 ) -> ServerConnection:
     """Register a client with the server.
 
@@ -209,7 +208,7 @@ def kick_off(host: str, port: int) -> None:
         family, address = address_of(host, port)
         sock = stack.enter_context(udp_socket(family))
         sock.sendto(b"(dispinit version 4)\0", address)
-        if readable([sock], INIT_TIMEOUT_SECONDS):
+        if readable([sock], REPEAT_S):
             _, dedicated = sock.recvfrom(1)
             sock.sendto(b"(dispstart)\0", dedicated)
             sock.sendto(b"(dispbye)\0", dedicated)

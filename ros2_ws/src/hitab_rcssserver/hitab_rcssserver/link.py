@@ -31,16 +31,15 @@ from hitab_rcssserver.messages import (
 )
 from hitab_rcssserver.server_settings import FULL_STATE, ServerSettings
 from hitab_rcssserver.sighting import Sighting, Who, together
+from hitab_ros.timing import REPEAT_S, TURN_S
 from keepaway_world.physics import Names
 
 GOALIE = "goalie"
 """Name of the player that may catch the ball."""
 
-PARAMETERS_SECONDS = 1.0  # maximum time from the answer to (init ...) to the settings
-STRAGGLER_SECONDS = 0.3  # after this time, a message that only other clients got counts as lost
-DONE_REPEAT_SECONDS = 0.4  # silence after which (done) is sent again
-GONE_SECONDS = 4.0  # a server waits 1.25 s for a (done), so a longer silence means it is gone
-REALTIME_STRAGGLER_SECONDS = 0.02
+SERVER_WAIT_S = 1.25
+"""Time for which a server waits for a ``(done)``, s: shorter waits of ours are parts of it, and a
+server that is silent for three times as long has gone."""
 
 
 @dataclass
@@ -158,7 +157,7 @@ class Link:
         return any(c.connection.init.mode != BEFORE_KICK_OFF for c in self.clients.values())
 
     def _await_settings(self) -> None:
-        deadline = time.monotonic() + PARAMETERS_SECONDS
+        deadline = time.monotonic() + REPEAT_S
         while not self.settings.values:
             left = deadline - time.monotonic()
             if left <= 0.0:
@@ -264,20 +263,21 @@ class Link:
             NoAnswer: if the server is silent for longer than a running server can be.
         """
         began = repeated = time.monotonic()
-        straggler = STRAGGLER_SECONDS if self.synch else REALTIME_STRAGGLER_SECONDS
+        # Then a message that only other clients got counts as lost.
+        straggler = SERVER_WAIT_S / 4 if self.synch else 2 * TURN_S
         some_since = 0.0
         while not self.complete:
             now = time.monotonic()
-            if now - began > GONE_SECONDS:
+            if now - began > 3 * SERVER_WAIT_S:
                 raise NoAnswer(
-                    f"the rcssserver at {self.where} has been silent for {GONE_SECONDS:g} s; "
+                    f"the rcssserver at {self.where} has been silent for {3 * SERVER_WAIT_S:g} s; "
                     "start it again"
                 )
             if any(c.thinking if self.synch else c.informed for c in self.clients.values()):
                 some_since = some_since or now
                 if now - some_since > straggler:
                     return  # the others' messages were lost
-            elif self.synch and now - repeated > DONE_REPEAT_SECONDS:
+            elif self.synch and now - repeated > SERVER_WAIT_S / 3:
                 repeated = now  # the server may not have got it
                 for client in self.clients.values():
                     client.connection.send("(done)")

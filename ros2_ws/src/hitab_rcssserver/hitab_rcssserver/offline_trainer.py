@@ -7,7 +7,6 @@ import time
 from collections.abc import Mapping
 
 from hitab_rcssserver.connection import (
-    INIT_TIMEOUT_SECONDS,
     NoAnswer,
     ServerError,
     connect,
@@ -17,6 +16,7 @@ from hitab_rcssserver.connection import (
 from hitab_rcssserver.messages import LEFT, RIGHT, Ok, Refusal
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_rcssserver.sighting import Who
+from hitab_ros.timing import REPEAT_S
 from keepaway_world.arranging import Place
 
 
@@ -60,7 +60,7 @@ class OfflineTrainer:
             self._connection.send(
                 f"(move {thing} {x + center:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
             )
-        count, deadline = len(before) + len(places), time.monotonic() + INIT_TIMEOUT_SECONDS
+        count, deadline = len(before) + len(places), time.monotonic() + REPEAT_S
         while count:
             left = deadline - time.monotonic()
             if left <= 0.0:

@@ -19,10 +19,11 @@ from hitab_rcssserver import sentences
 from hitab_rcssserver.connection import NoAnswer, ServerError, kick_off
 from hitab_rcssserver.field import parameters_of
 from hitab_rcssserver.game import ReportedGame, Turn
-from hitab_rcssserver.link import Link
+from hitab_rcssserver.link import SERVER_WAIT_S, Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from hitab_rcssserver.offline_trainer import OfflineTrainer
 from hitab_rcssserver.server_settings import SEE, ServerSettings
+from hitab_ros.timing import AT_ONCE_S, FOUND_S, REPEAT_S, START_S
 from hitab_world import (
     LOOK,
     RESTART,
@@ -40,22 +41,14 @@ from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
-RETRY_SECONDS = 0.5  # time between two attempts to reach a server
-JOIN_RETRY_SECONDS = 3.0  # the same for a server that refuses: an attempt may use up a place
-HOLD_SECONDS = 0.9  # how long to hold a server while paused; it waits 1.25 s for an answer
 NEW_EPISODE = ("(change_mode drop_ball)", "(change_mode play_on)", "(recover)")
 """Commands by which a trainer begins an episode: the first makes the server forget earlier
 kicks."""
-BUSY_SECONDS = 0.05  # maximum time in which `RcssWorld.idle` plays before it returns
-
-
-SERVER_START_S = 30.0
-"""How long a world without ROS waits for the server to begin an episode, s."""
 
 
 def patience_of(node: Node | GivenParameters) -> float:
     """Return how long `RcssWorld.reset` waits for an episode, s; a node calls `idle` instead."""
-    return SERVER_START_S if isinstance(node, GivenParameters) else 0.0
+    return START_S if isinstance(node, GivenParameters) else 0.0
 
 
 class RcssWorld(EpisodicWorld):
@@ -256,7 +249,7 @@ class RcssWorld(EpisodicWorld):
             now = time.monotonic()
             ready = self.server.kick_off and turn.state is not None and not missing
             if ready and now >= self._next_try:
-                self._next_try = now + RETRY_SECONDS
+                self._next_try = now + REPEAT_S
                 if self._rules.stops:
                     with contextlib.suppress(WorldError):  # `waiting` then says why
                         self._set_up()
@@ -280,7 +273,7 @@ class RcssWorld(EpisodicWorld):
             return ""
         if not self.waiting:
             return self._hold()
-        deadline = time.monotonic() + BUSY_SECONDS
+        deadline = time.monotonic() + AT_ONCE_S
         while self.waiting and self._link is not None and time.monotonic() < deadline:
             self._exchange(self._takers_commands() if self._game.mode == PLAYING else {})
         if self.waiting:
@@ -299,7 +292,7 @@ class RcssWorld(EpisodicWorld):
             self._leave(str(error))
             return ""
         if link.synch:
-            if time.monotonic() - link.thinking_since < HOLD_SECONDS:
+            if time.monotonic() - link.thinking_since < 0.7 * SERVER_WAIT_S:
                 return ""
         elif not link.complete:
             return ""
@@ -337,11 +330,9 @@ class RcssWorld(EpisodicWorld):
                 self._trainer = OfflineTrainer(self.server)
             self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
         except ServerError as error:
-            self._leave(
-                str(error), RETRY_SECONDS if isinstance(error, NoAnswer) else JOIN_RETRY_SECONDS
-            )
+            self._leave(str(error), REPEAT_S if isinstance(error, NoAnswer) else FOUND_S)
 
-    def _leave(self, why: str, pause: float = RETRY_SECONDS) -> None:
+    def _leave(self, why: str, pause: float = REPEAT_S) -> None:
         """Leave the server, to rejoin it when possible."""
         for connection in (self._link, self._trainer):
             if connection is not None:

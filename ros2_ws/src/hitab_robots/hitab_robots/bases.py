@@ -6,8 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-NAME_TIMEOUT_S = 2.0
-"""How long to wait for the node name of a new subscription, s."""
+from hitab_ros.timing import PROMPT_S
 
 LISTENERS = re.compile(r"/(hitab|rosbag2_recorder|foxglove_bridge|(_ros2cli|rqt_gui_py_node)_\d+)")
 """Names of nodes that only listen and are no base."""
@@ -39,7 +38,7 @@ class Bases:
         """
         # A subscriber that gets its name late counts as new again.
         new = {name for identity, name in takers.items() if self._known.get(identity) != name}
-        self.unnamed = "" in new and now - self._settled < NAME_TIMEOUT_S
+        self.unnamed = "" in new and now - self._settled < PROMPT_S
         # A subscriber without a name may only listen. It counts as no base, since a robot that is
         # armed now would stop as soon as the name shows that a base was restarted.
         self.missing = all(

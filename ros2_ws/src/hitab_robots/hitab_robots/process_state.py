@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+REPLACED_AFTER_S = 10.0
+"""Silence of an agent or of a starting relay, s, after which it is replaced; a relay starts
+faster even on a busy machine."""
+
 
 def waits_for_cpu_or_disk(pid: int) -> bool:
     """Return whether a process waits for a CPU or a disk, instead of hanging."""

@@ -13,6 +13,7 @@ from hitab_agent import AgentNode
 from hitab_robots.process_state import waits_for_cpu_or_disk
 from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC, ODOMETRY_TOPIC, RelaySettings
 from hitab_ros import names
+from hitab_ros.timing import FOUND_S
 
 MODULE = "hitab_robots.velocity_relay"
 
@@ -22,9 +23,6 @@ of life a second; a network that loses one in ten loses five in a row once in 10
 
 RELAY_STARVED_S = 2.0
 """The same for a relay that is only starved of CPU or disk, s."""
-
-END_S = 3.0
-"""How long a relay may take to end, s."""
 
 
 class RelayProcess:
@@ -84,7 +82,7 @@ class RelayProcess:
         """End the relay; it stops the robot first."""
         self._process.terminate()
         try:
-            self._process.wait(END_S)
+            self._process.wait(FOUND_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()

@@ -5,18 +5,11 @@ from __future__ import annotations
 from hitab_msgs import msg
 
 from hitab_agent import AgentNode
+from hitab_robots.process_state import REPLACED_AFTER_S
 from hitab_robots.relay_process import RELAY_HUNG_S, RelayProcess
 from hitab_robots.settings import HEARTBEAT
-from hitab_ros import StopState, names, qos, steady_timer, stop_report, why_stopped
-
-RELAY_PERIOD_S = 0.1
-"""Period of the watch, s."""
-
-FIRST_SIGN_TIMEOUT_S = 10.0
-"""How long a relay may take to give its first sign of life, s."""
-
-RESTART_INTERVAL_S = 1.0
-"""Minimum time between two starts of the relay, s."""
+from hitab_ros import Presence, StopState, names, qos, steady_timer, stop_report, why_stopped
+from hitab_ros.timing import REPEAT_S, STOP_REPORT_PERIOD_S
 
 
 class RelayWatch:
@@ -43,11 +36,11 @@ class RelayWatch:
         self._process = process
         self._cause = ""
         self._is_replaced = False
-        # Counted in checks, not by a clock: a process that gets no CPU would see silence.
-        self._unheard_s = 0.0 if process is None else -FIRST_SIGN_TIMEOUT_S
+        self._presence = Presence(RELAY_HUNG_S, STOP_REPORT_PERIOD_S)
+        self._hear_relay(0.0 if process is None else REPLACED_AFTER_S)
         self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
         node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.STREAM)
-        steady_timer(node, RELAY_PERIOD_S, self._look)
+        steady_timer(node, STOP_REPORT_PERIOD_S, self._look)
 
     def cause(self, why: str) -> None:
         """Stop the robot until it is re-armed; ``why`` its agent cannot act, empty if it can."""
@@ -55,24 +48,28 @@ class RelayWatch:
             self._cause = why
             self._give_sign()
 
+    def _hear_relay(self, due_in_s: float = 0.0) -> None:
+        self._presence.hear(names.VELOCITY_RELAY, due_in_s)
+
     def _hear(self, relay: msg.StopState) -> None:
-        self._unheard_s = 0.0
+        self._hear_relay()
         self.is_emergency = bool(relay.emergencies)
         self._set_why(why_stopped(relay.why, relay.causes))
 
     def _look(self) -> None:
         self._give_sign()
-        self._unheard_s += RELAY_PERIOD_S
-        if self._process is not None and (trouble := self._process.trouble(self._unheard_s)):
+        unheard_s = self._presence.age(names.VELOCITY_RELAY)
+        if self._process is not None and (trouble := self._process.trouble(unheard_s)):
             self._node.guard.log(trouble)
             self._set_why(trouble)
             self._is_replaced = True
-            if self._unheard_s >= RESTART_INTERVAL_S - FIRST_SIGN_TIMEOUT_S:
+            if unheard_s >= REPEAT_S - REPLACED_AFTER_S:
                 self._process.start()
-                self._unheard_s = -FIRST_SIGN_TIMEOUT_S
-        elif self._unheard_s > RELAY_HUNG_S:
+                self._hear_relay(REPLACED_AFTER_S)
+                unheard_s = -REPLACED_AFTER_S
+        elif unheard_s > RELAY_HUNG_S:
             self._set_why(f"its {names.VELOCITY_RELAY} gives no sign of life")
-        if self._process is not None and self._is_replaced and self._unheard_s < 0.0:
+        if self._process is not None and self._is_replaced and unheard_s < 0.0:
             self._process.stand_in()
 
     def _give_sign(self) -> None:

@@ -38,12 +38,7 @@ from hitab_robots.settings import (
 from hitab_robots.velocity import REST_S
 from hitab_ros import EmergencySwitch, names, steady_timer
 from hitab_ros.stamps import seconds_of
-
-FAULT_PERIOD_S = 0.5
-"""Time between two checks for faults, s."""
-
-SENSOR_TIMEOUT_S = 3.0
-"""How long the discovery of sensors and relay may take before their silence is a fault, s."""
+from hitab_ros.timing import FOUND_S, HEARTBEAT_S
 
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 
@@ -75,7 +70,7 @@ class RobotLink:
         self._on_percept = on_percept
         self._faults = node.guard.faults
         self._clock = node.get_clock()
-        self._checks_from = time.monotonic() + SENSOR_TIMEOUT_S
+        self._checks_from = time.monotonic() + FOUND_S
         rate = declare_number(node, "rate", 10.0)
         mounts = _mounts_of_tf(node)
         self._sensors = [_SensorInput(node, sensor, mounts) for sensor in domain.body.sensors]
@@ -91,7 +86,7 @@ class RobotLink:
         self._rest_until = self._now()
         self._cycle = 0
         node.create_timer(1.0 / rate, self._tick)
-        steady_timer(node, FAULT_PERIOD_S, self._look_for_faults)  # simulated time may stand still
+        steady_timer(node, HEARTBEAT_S, self._look_for_faults)  # simulated time may stand still
 
     def _now(self) -> float:
         return float(self._clock.now().nanoseconds) * 1e-9

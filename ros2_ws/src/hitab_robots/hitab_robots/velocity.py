@@ -18,8 +18,9 @@ NO_VELOCITY: Velocity = (0.0, 0.0, 0.0)
 REST_S = 1.0
 """How long zeros are sent to a robot that has to stand still, s; then others may drive it."""
 
-BREAK_OFF_S = 3.0
-"""Silence during a motion, s, after which an agent must be re-armed to drive again."""
+SILENT_S = 3.0
+"""Silence of an agent, s, after which its robot must be re-armed, since nobody expects it to move
+any more: no velocity during a motion, or no sign of life."""
 
 STEP_MAX_S = 0.25
 """Largest time between two velocities, s, that counts for the limits of acceleration."""
@@ -154,12 +155,12 @@ class Gate:
             by_hand: whether the command comes from a person, not from the agent.
         """
         commanded = self._person if by_hand else self._agent
-        broke_off = commanded.moved and not by_hand and now - commanded.since > BREAK_OFF_S
+        broke_off = commanded.moved and not by_hand and now - commanded.since > SILENT_S
         commanded.velocity = self._drive.clipped(velocity)
         commanded.moved = commanded.velocity != NO_VELOCITY
         commanded.since = now
         if is_velocity(velocity):
-            return f"fell silent for over {BREAK_OFF_S:g} s while it moved" if broke_off else ""
+            return f"fell silent for over {SILENT_S:g} s while it moved" if broke_off else ""
         if commanded is self._in_control(now):
             self._velocity = NO_VELOCITY
         return f"commands {velocity}, which is not a velocity"

@@ -34,7 +34,7 @@ from hitab_core import some
 from hitab_core.library.durable_files import write_durably
 from hitab_robots.bases import Bases, name_of
 from hitab_robots.left_goals import LeftGoals
-from hitab_robots.process_state import waits_for_cpu_or_disk
+from hitab_robots.process_state import REPLACED_AFTER_S, waits_for_cpu_or_disk
 from hitab_robots.settings import (
     AGENT_VELOCITY_TOPIC,
     BASE_TOPIC,
@@ -43,29 +43,31 @@ from hitab_robots.settings import (
     RelaySettings,
     declare,
 )
-from hitab_robots.velocity import NO_VELOCITY, Drive, Gate, Velocity
-from hitab_ros import GuardedNode, KnownStops, Spinner, Stop, names, qos, run, steady_timer
+from hitab_robots.velocity import NO_VELOCITY, SILENT_S, Drive, Gate, Velocity
+from hitab_ros import (
+    GuardedNode,
+    KnownStops,
+    Presence,
+    Spinner,
+    Stop,
+    names,
+    qos,
+    run,
+    steady_timer,
+)
+from hitab_ros.timing import STOP_REPORT_PERIOD_S
 
 STOP_FILE = "emergency_stop.json"
+
+AGENT = "agent"
+"""The agent, in the relay's presence and causes."""
 
 SILENCE = "silence"
 """The stop's cause for a silent agent."""
 
-GOALS_SILENT_S = 0.3
-"""The agent's silence, s, after which the relay of a stopped robot cancels the agent's goals."""
-
 AGENT_HUNG_S = 1.0
 """Silence, s, of an agent on this machine that is suspended or waits; then the robot must be
 re-armed."""
-
-SILENT_S = 3.0
-"""Silence, s, of any other agent, after which the robot must be re-armed."""
-
-KILLED_S = 10.0
-"""Silence, s, after which an agent is killed, if a supervisor restarts it."""
-
-CHECK_GAP_S = 0.1
-"""Largest time between two checks, s, that counts as silence: longer, the relay was delayed."""
 
 STANDSTILL = (0.02, 0.02, 0.05)
 """Largest speeds of a robot that stands still, by its odometry, m/s, m/s and rad/s."""
@@ -115,8 +117,8 @@ class VelocityRelay(GuardedNode):
         self._matched = 0
         self._goals = LeftGoals(self)
         self._still_since = time.monotonic()  # when the first of the last zeros was sent
-        self._last_look = time.monotonic()
-        self._unheard_s = SILENT_S  # until the agent's first sign of life
+        self._presence = Presence(SILENT_S, STOP_REPORT_PERIOD_S)
+        self._presence.hear(AGENT, -SILENT_S)  # silent until the agent's first sign of life
         self._agent_stands = True
         self._measured: tuple[float, Velocity] = (-MEASURED_S, NO_VELOCITY)
         kind = TwistStamped if self._stamped else Twist
@@ -153,9 +155,9 @@ class VelocityRelay(GuardedNode):
             self._tick()  # send the first velocity at once
 
     def _on_heartbeat(self, agent: StopState) -> None:
-        self._unheard_s = 0.0
+        self._presence.hear(AGENT)
         self._agent_stands = agent.state != StopState.STOPPING
-        self._cause("agent", "; ".join(agent.causes))
+        self._cause(AGENT, "; ".join(agent.causes))
         self._cause(SILENCE, "")
 
     def _measure(self, odometry: Odometry) -> None:
@@ -189,16 +191,15 @@ class VelocityRelay(GuardedNode):
 
     def _look_after_agent(self, now: float) -> None:
         """Stop the robot if the agent has died or is silent."""
-        self._unheard_s += min(now - self._last_look, CHECK_GAP_S)
-        self._last_look = now
+        unheard_s = self._presence.age(AGENT)
         if self._agent_pid and os.getppid() != self._agent_pid and not self._gate.closed:
             self._gate.closed = self._goals.closed = True
             self._gate.rest(now)  # gives time to cancel its goals, even if the robot stands still
         may_hang = self._agent_pid and not waits_for_cpu_or_disk(self._agent_pid)
-        if self._unheard_s >= (AGENT_HUNG_S if may_hang else SILENT_S):
+        if unheard_s >= (AGENT_HUNG_S if may_hang else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")
-        if self._unheard_s >= KILLED_S and self._kills and not self._gate.closed:
-            self.get_logger().error(f"kills the agent, which has hung for {KILLED_S:g} s")
+        if unheard_s >= REPLACED_AFTER_S and self._kills and not self._gate.closed:
+            self.get_logger().error(f"kills the agent, which has hung for {REPLACED_AFTER_S:g} s")
             os.kill(self._agent_pid, signal.SIGKILL)
 
     def _stands(self) -> bool:
@@ -210,7 +211,7 @@ class VelocityRelay(GuardedNode):
         ):
             return False
         only_zeros = now - self._still_since >= ZEROS_S
-        return only_zeros and (self._agent_stands or self._unheard_s >= SILENT_S)
+        return only_zeros and (self._agent_stands or self._presence.age(AGENT) >= SILENT_S)
 
     def _tick(self) -> None:
         now = time.monotonic()
@@ -223,7 +224,9 @@ class VelocityRelay(GuardedNode):
             self._send(velocity)
         elif self._gate.closed:
             self.finished()
-        if self._gate.closed or (stopped and self._unheard_s >= GOALS_SILENT_S):
+        # Of a stopped robot's agent, three signs of life are missed: it cannot cancel its goals.
+        is_silent = self._presence.age(AGENT) >= 3 * STOP_REPORT_PERIOD_S
+        if self._gate.closed or (stopped and is_silent):
             self._goals.cancel()
 
     def _send(self, velocity: Velocity) -> None:

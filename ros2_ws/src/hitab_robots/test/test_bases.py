@@ -1,6 +1,7 @@
 """A base that was started again is distinguished from programs that only listen."""
 
-from hitab_robots.bases import NAME_TIMEOUT_S, Bases
+from hitab_robots.bases import Bases
+from hitab_ros.timing import PROMPT_S
 
 DRIVER, ECHO, RECORDER = "/robot_1/driver", "/_ros2cli_7", "/rosbag2_recorder"
 
@@ -38,12 +39,12 @@ def test_one_that_is_named_late_has_come_back_all_the_same():
     bases = Bases()
     for takers, now, back in (
         ({}, 0.0, set()),
-        ({b"1": ""}, 2 * NAME_TIMEOUT_S, set()),
-        ({b"1": DRIVER}, 3 * NAME_TIMEOUT_S, set()),
-        ({}, 4 * NAME_TIMEOUT_S, set()),
-        ({b"2": "/other"}, 5 * NAME_TIMEOUT_S, set()),
-        ({b"2": "/other", b"3": ""}, 7 * NAME_TIMEOUT_S, {""}),
-        ({b"2": "/other", b"3": DRIVER}, 8 * NAME_TIMEOUT_S, {DRIVER}),
+        ({b"1": ""}, 2 * PROMPT_S, set()),
+        ({b"1": DRIVER}, 3 * PROMPT_S, set()),
+        ({}, 4 * PROMPT_S, set()),
+        ({b"2": "/other"}, 5 * PROMPT_S, set()),
+        ({b"2": "/other", b"3": ""}, 7 * PROMPT_S, {""}),
+        ({b"2": "/other", b"3": DRIVER}, 8 * PROMPT_S, {DRIVER}),
     ):
         assert bases.look(takers, now) == back, takers
 
@@ -52,9 +53,9 @@ def test_one_that_the_graph_never_names_moves_and_has_come_back_when_it_is_new_a
     bases = Bases()
     for identity, back in ((b"1", set()), (b"2", {""})):
         assert bases.look({}, 0.0) == set()
-        assert bases.look({identity: ""}, NAME_TIMEOUT_S / 2) == set()
+        assert bases.look({identity: ""}, PROMPT_S / 2) == set()
         assert bases.unnamed
-        assert bases.look({identity: ""}, 2 * NAME_TIMEOUT_S) == back
+        assert bases.look({identity: ""}, 2 * PROMPT_S) == back
         assert not bases.unnamed
         bases.look({}, 0.0)
 
@@ -66,5 +67,5 @@ def test_a_program_without_a_name_yet_is_no_base_until_its_name_is_known_or_does
     bases.look({b"1": "/hitab"}, 0.5)
     assert bases.missing
     bases.look({b"1": "/hitab", b"2": ""}, 1.0)
-    bases.look({b"1": "/hitab", b"2": ""}, 1.0 + NAME_TIMEOUT_S)
+    bases.look({b"1": "/hitab", b"2": ""}, 1.0 + PROMPT_S)
     assert not bases.missing, "others' nodes may never tell their names"

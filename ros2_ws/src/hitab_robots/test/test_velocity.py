@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_robots import Drive
-from hitab_robots.velocity import BREAK_OFF_S, NO_VELOCITY, REST_S, STEP_MAX_S, Gate
+from hitab_robots.velocity import NO_VELOCITY, REST_S, SILENT_S, STEP_MAX_S, Gate
 
 DRIVE = Drive((0.5, 0.2, 1.0), (1.0, 1.0, 2.0), (2.0, 2.0, 4.0))
 TIMEOUT = 0.3
@@ -137,10 +137,10 @@ def test_an_agent_that_falls_silent_while_it_moves_must_not_drive_again_unasked(
     gate = Gate(DRIVE, TIMEOUT, 0.0)
     now = 0.0
     for velocity, pause, by_hand, may in (
-        ((0.5, 0.0, 0.0), BREAK_OFF_S, False, True),
-        ((0.5, 0.0, 0.0), BREAK_OFF_S + 0.1, False, False),
-        ((0.0, 0.0, 0.0), BREAK_OFF_S + 0.1, False, True),
-        ((0.5, 0.0, 0.0), BREAK_OFF_S + 0.1, True, True),
+        ((0.5, 0.0, 0.0), SILENT_S, False, True),
+        ((0.5, 0.0, 0.0), SILENT_S + 0.1, False, False),
+        ((0.0, 0.0, 0.0), SILENT_S + 0.1, False, True),
+        ((0.5, 0.0, 0.0), SILENT_S + 0.1, True, True),
     ):
         now += 100.0
         gate.command((0.0, 0.0, 0.0), now, by_hand=by_hand)

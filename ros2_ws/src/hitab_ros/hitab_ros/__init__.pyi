@@ -13,8 +13,7 @@ from . import qos as qos
 from . import ros_domains as ros_domains
 from . import stamps as stamps
 from . import testing as testing
-from .alive import give_signs_of_life as give_signs_of_life
-from .alive import give_signs_of_operator as give_signs_of_operator
+from . import timing as timing
 from .busy_timeout import BusyTimeout as BusyTimeout
 from .dds_sockets import stop_receiving as stop_receiving
 from .dds_sockets import udp_sockets as udp_sockets
@@ -28,7 +27,13 @@ from .guarded_node import NO_TYPE_DESCRIPTIONS as NO_TYPE_DESCRIPTIONS
 from .guarded_node import GuardedNode as GuardedNode
 from .guarded_node import name_of as name_of
 from .known_stops import KnownStops as KnownStops
-from .receivers import Receivers as Receivers
+from .presence import ListenedTime as ListenedTime
+from .presence import Presence as Presence
+from .presence import Receivers as Receivers
+from .presence import SignsOfLife as SignsOfLife
+from .presence import give_signs_of_life as give_signs_of_life
+from .presence import give_signs_of_operator as give_signs_of_operator
+from .presence import suspensions_noticed as suspensions_noticed
 from .sparing_log import SparingLog as SparingLog
 from .spinning import FinalError as FinalError
 from .spinning import Loop as Loop
@@ -41,5 +46,4 @@ from .stop import stop_report as stop_report
 from .stop import why_stopped as why_stopped
 from .stop_machine import StopMachine as StopMachine
 from .stop_machine import StopState as StopState
-from .suspensions import suspensions_noticed as suspensions_noticed
 from .unique_name import check_name_is_free as check_name_is_free

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, Self, Ty
 
 from hitab_core import Fix, HitabError
 from hitab_ros.busy_timeout import BusyTimeout
+from hitab_ros.timing import ANSWER_S, DISCOVERY_S, HEARTBEAT_S, REPEAT_S
 
 if TYPE_CHECKING:
     from hitab_ros.guarded_node import GuardedNode
@@ -26,18 +27,6 @@ P = ParamSpec("P")
 
 Turns = Coroutine[float, None, T]
 """A coroutine that yields the time for which its node may wait for the next event, s."""
-
-CALL_SECONDS = 15.0
-"""Timeout for the answer of an available service, s."""
-
-APPEARANCE_SECONDS = 8.0
-"""Timeout for a service to appear, s."""
-
-REQUEST_REPEAT_SECONDS = 1.0
-"""Time before a request is sent again, s; doubled each time."""
-
-NOTICEABLE_SECONDS = 0.5
-"""Time after which a wait is announced, s."""
 
 
 class SwarmError(HitabError):
@@ -151,7 +140,7 @@ class Caller:
             step = patience.step(each)
             if not step:
                 return False
-            if waiting_for is not None and time.monotonic() - began > NOTICEABLE_SECONDS:
+            if waiting_for is not None and time.monotonic() - began > HEARTBEAT_S:
                 self._announce_once(f"waiting for {waiting_for()}")
                 waiting_for = None
             await turn(step)
@@ -208,7 +197,7 @@ class Caller:
         *,
         missing: Callable[[], SwarmError],
         where: str = "",
-        seconds: float = CALL_SECONDS,
+        seconds: float = ANSWER_S,
         over: Callable[[], bool] = lambda: False,
         heard: Callable[[Any], None] = lambda answer: None,
     ) -> Any:
@@ -234,7 +223,7 @@ class Caller:
         self.will_call(kind, service)
         client = self._clients[service]
         if not await self.until(
-            client.service_is_ready, APPEARANCE_SECONDS, 0.01, lambda: f"{service} to appear"
+            client.service_is_ready, DISCOVERY_S, 0.01, lambda: f"{service} to appear"
         ):
             raise missing()
         if getattr(request, "id", None) == "":
@@ -245,7 +234,7 @@ class Caller:
                 lambda: sent.append(client.call_async(request)),
                 lambda: any(future.done() for future in sent),
                 seconds,
-                REQUEST_REPEAT_SECONDS,
+                REPEAT_S,
                 growth=2.0,
                 waiting_for=lambda: f"the answer of {service}",
                 over=over,

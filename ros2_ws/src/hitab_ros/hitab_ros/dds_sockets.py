@@ -15,8 +15,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 
-HANDLED_S = 0.01
-"""Time to handle messages that were received already, s."""
+from hitab_ros.timing import TURN_S
 
 
 def udp_sockets() -> set[int]:
@@ -35,7 +34,7 @@ def stop_receiving(sockets: Iterable[int]) -> None:
         # The system reports that the socket is not connected, and shuts it down.
         with suppress(OSError), _opened(number) as one:
             one.shutdown(socket.SHUT_RD)
-    time.sleep(HANDLED_S)
+    time.sleep(TURN_S)
 
 
 @contextmanager

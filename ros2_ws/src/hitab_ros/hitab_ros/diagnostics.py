@@ -16,14 +16,9 @@ from rclpy.qos import QoSProfile
 
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.steady_timer import steady_timer
+from hitab_ros.timing import LOOK_EACH_S, REPEAT_S, UPDATE_S
 
 DIAGNOSTICS_TOPIC = "/diagnostics"  # absolute, as in REP 107
-DIAGNOSTICS_PERIOD_S = 1.0
-SOON_S = 0.1
-"""Delay of a message after a change, s; the message covers all changes until then."""
-
-LOOKED_AT_PER_S = 1000
-"""Number of agents above which changes wait longer, so that checking all agents costs little."""
 
 STATUSES_MAX = 50
 """Maximum number of statuses in a message; of many agents, only those with faults are listed."""
@@ -100,8 +95,8 @@ class Diagnostics:
         self._publisher = node.create_publisher(
             DiagnosticArray, DIAGNOSTICS_TOPIC, QoSProfile(depth=10)
         )
-        steady_timer(node, DIAGNOSTICS_PERIOD_S, self._look)
-        self._soon = steady_timer(node, SOON_S, self._publish)
+        steady_timer(node, REPEAT_S, self._look)
+        self._soon = steady_timer(node, UPDATE_S, self._publish)
         self._soon.cancel()
 
     def soon(self) -> None:
@@ -119,7 +114,7 @@ class Diagnostics:
         self._due = False
         self._soon.cancel()
         found = self._read()
-        self._soon.timer_period_ns = int(max(SOON_S, len(found) / LOOKED_AT_PER_S) * 1e9)
+        self._soon.timer_period_ns = int(max(UPDATE_S, len(found) * LOOK_EACH_S) * 1e9)
         array = DiagnosticArray(status=shown(found, self._node.get_namespace()))
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)

@@ -21,9 +21,7 @@ from hitab_ros import names, qos
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.known_stops import KnownStops, must_tell
 from hitab_ros.steady_timer import steady_timer
-
-STOP_CHECK_PERIOD_S = 1.0
-"""Period of checks for stops that others have latched, or have not received, s."""
+from hitab_ros.timing import REPEAT_S
 
 
 class EmergencySwitch:
@@ -63,7 +61,7 @@ class EmergencySwitch:
         )
         self._listen(qos.EVENTS, latched=False)
         if hands_on:
-            steady_timer(node, STOP_CHECK_PERIOD_S, self._look)
+            steady_timer(node, REPEAT_S, self._look)
             if known:
                 self.tell()
 

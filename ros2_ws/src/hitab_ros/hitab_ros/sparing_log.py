@@ -7,12 +7,10 @@ from collections.abc import Callable, Hashable
 
 from hitab_core import quantity
 from hitab_ros.plain_text import plain
+from hitab_ros.timing import REMIND_S
 
 BURST = 20
 """Maximum number of lines in a burst."""
-
-REFILL_S = 10.0
-"""Time, s, after which one more line is allowed."""
 
 CAUSES_MAX = 500
 """Maximum number of causes remembered."""
@@ -25,7 +23,7 @@ class SparingLog:
         self,
         write: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
-        refill_s: float = REFILL_S,
+        refill_s: float = REMIND_S,
     ) -> None:
         """Create a log.
 

@@ -28,9 +28,8 @@ from hitab_ros.dds_sockets import stop_receiving, udp_sockets
 from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.suspensions import suspensions_noticed
-
-_WAKE_S = 0.1
+from hitab_ros.presence import suspensions_noticed
+from hitab_ros.timing import UPDATE_S
 
 
 class FinalError(HitabError):
@@ -71,7 +70,7 @@ class Spinner:
         )
         self.stop(1)
 
-    def spin_once(self, timeout_sec: float = _WAKE_S) -> None:
+    def spin_once(self, timeout_sec: float = UPDATE_S) -> None:
         """Handle pending events, or wait up to ``timeout_sec`` for one.
 
         Nodes guard their callbacks; a failure between the middleware and a callback, such as an
@@ -94,7 +93,7 @@ class Spinner:
         while not self.stopped:
             if condition():
                 return True
-            step = patience.step(_WAKE_S)
+            step = patience.step(UPDATE_S)
             if not step:
                 return False
             self.spin_once(step)

@@ -16,9 +16,7 @@ from hitab_ros.known_stops import KnownStops
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
-
-STOP_REPORT_PERIOD_S = 0.1
-"""Period of reports by the machine's clock, s; reports are heartbeats, too."""
+from hitab_ros.timing import STOP_REPORT_PERIOD_S
 
 
 class Stop:

@@ -16,15 +16,9 @@ from hitab_ros import names, qos
 from hitab_ros.definitions import check_same_message_version
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.spinning import FinalError, Spinner
-
-DISCOVERY_S = 0.7
-"""Discovery time, s; nodes on one machine discover each other well within it."""
-
-DEAD_AFTER_S = 2.5
-"""Timeout for a discovered node to publish, s; killed ones stay discovered for longer."""
+from hitab_ros.timing import CONNECT_S, FOUND_S
 
 _PARTICIPANT = 12  # bytes of an endpoint's identifier that identify the process
-_LONGEST_LIFESPAN_S = 2**31 - 2  # maximum that DDS can announce
 
 
 class NameTakenError(FinalError):
@@ -48,11 +42,11 @@ def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: 
     """
     # The identifier of an endpoint that can only be this process's reveals its other endpoints.
     # Its random part is a setting without effect, since security policies allow no random names.
-    lifespan = Duration(seconds=1 + secrets.randbelow(_LONGEST_LIFESPAN_S))
+    lifespan = Duration(seconds=1 + secrets.randbelow(2**31 - 2))  # the range that DDS announces
     topic = names.in_swarm(nodes[0], names.ALIVE)
     profile = QoSProfile(depth=1, lifespan=lifespan)
     marked = nodes[0].create_publisher(Alive, topic, profile, temporary=True)
-    spinning.spin_until(lambda: False, DISCOVERY_S)
+    spinning.spin_until(lambda: False, CONNECT_S)
     check_same_message_version(nodes[0])
     ours = {
         _participant(end)
@@ -84,11 +78,11 @@ def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: 
 
     ours_first = min(ours)
     try:
-        spinning.spin_until(lambda: len(established) == len(doubtful), DISCOVERY_S)
+        spinning.spin_until(lambda: len(established) == len(doubtful), CONNECT_S)
         # Of two that start at once, the one with the lower identifier continues, and the other
         # receives its status. A node that never publishes was killed; its leftovers do not
         # count.
-        spinning.spin_until(lambda: not any(map(undecided, doubtful)), DEAD_AFTER_S)
+        spinning.spin_until(lambda: not any(map(undecided, doubtful)), FOUND_S)
         for node in doubtful:
             if (name := names.own_name(node)) in established:
                 raise _taken(name, established[name], _swarm_of(node))

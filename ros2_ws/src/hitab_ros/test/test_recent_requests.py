@@ -8,6 +8,11 @@ from hitab_ros.recent_requests import RecentRequests
 from hitab_core.errors import HitabError
 from hitab_ros import recent_requests
 from hitab_ros.answering import answering
+<<<<<<< HEAD
+=======
+from hitab_ros.recent_requests import RecentRequests
+from hitab_ros.timing import ANSWER_S
+>>>>>>> presence
 
 
 class Clock:
@@ -28,7 +33,7 @@ def test_a_request_is_recognized_by_its_client_and_number_for_a_while():
     assert recent.came_of("ann", 1) == "first"
     assert recent.came_of("ben", 1) is None  # two clients count for themselves
     assert recent.came_of("ann", 2) is None
-    clock.now += recent_requests.ANSWER_MEMORY_S + 1
+    clock.now += 4 * ANSWER_S + 1
     assert recent.came_of("ann", 1) is None
 
 

@@ -19,7 +19,7 @@ def absence(known: SwarmState, name: str) -> Silence | None:
     """
     if name != names.WORLD and name not in known.agents:
         return Silence(name, "is not up", lasts=True, state="not up")
-    since = known.silent.get(name, known.gone.get(name))
+    since = known.silent.get(name)
     was_heard = name == names.WORLD or name in known.statuses
     if since is None and was_heard:
         return None

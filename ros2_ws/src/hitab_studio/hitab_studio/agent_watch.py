@@ -20,6 +20,7 @@ from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Term
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import blocking
+from hitab_ros.timing import REFRESH_S, REPEAT_S
 from hitab_studio.example_effects import Effect, effect
 from hitab_studio.received_vocabulary import NO_ITEMS, Vocabulary, terms
 
@@ -31,10 +32,6 @@ PROBED_MAX = 200
 
 SHELF_MAX = 40
 """Trained behaviors read in advance, before a page shows them."""
-
-READ_SECONDS = 0.15
-REFUSED_RETRY_SECONDS = 1.0
-"""Delay before a refused request is repeated."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +131,7 @@ class AgentWatch:
         for name in self._needed(status) - self._current:
             self._ask(name, SwarmClient.behavior, partial(self._take_behavior, name), name)
         if (now := time.monotonic()) >= self._next_read:
-            self._next_read = now + READ_SECONDS
+            self._next_read = now + REFRESH_S
             words, also = self.known.vocabulary, []
             if self._probing or not status.active_path:
                 also = [str(term) for _, term in terms(words.features, words.targets)]
@@ -168,7 +165,7 @@ class AgentWatch:
             try:
                 take(await self._call(lambda it: verb.coroutine(it.agents, agent, *given), agent))
             except SwarmError:
-                await asyncio.sleep(REFUSED_RETRY_SECONDS)
+                await asyncio.sleep(REPEAT_S)
             except Exception as error:  # an invalid answer must not end the watch
                 why = what_went_wrong(error)
                 problem = f"The answer of {agent} about {key} cannot be read: {why}"

@@ -16,13 +16,11 @@ from visualization_msgs.msg import Marker, MarkerArray
 from hitab_client import RosLink
 from hitab_ros import qos
 from hitab_ros.stamps import time_of
+from hitab_ros.timing import DISCOVERY_S, UPDATE_S
 from hitab_studio.scene import NO_COLOR, STATE_COLORS, Appearance, Scene
 
 MARKERS_TOPIC = "/studio/markers"
 FRAME = "field"
-EVERY_SECONDS = 0.1  # viewers need no higher rate, whatever the simulation's
-LIFETIME_SECONDS = 5
-"""Time for which viewers show the last scene after the studio has ended."""
 
 MARKER_SHAPES = {
     msg.Look.DISC: Marker.CYLINDER,
@@ -46,7 +44,7 @@ class Markers:
     def look(self, scene: Scene | None, doing: Doing, colors: Mapping[str, int]) -> None:
         """Check for subscribers, and publish the last scene again for them.
 
-        A paused world publishes nothing, but markers expire after `LIFETIME_SECONDS`. Call this
+        A paused world publishes nothing, but markers expire after `DISCOVERY_S`. Call this
         several times within that time.
 
         Args:
@@ -68,7 +66,7 @@ class Markers:
         """
         paused = scene.mode == msg.WorldState.PAUSED  # published only on a change
         # Rounding may make a cycle of exactly this length a little shorter.
-        due = abs(scene.seconds - self._last) > 0.9 * EVERY_SECONDS
+        due = abs(scene.seconds - self._last) > 0.9 * UPDATE_S
         if self._heard and (paused or due):
             self._last = scene.seconds
             self._publisher.publish(self._array(scene, doing, colors))
@@ -85,7 +83,7 @@ class Markers:
             x, y, heading = scene.places[i, :3].tolist()
             markers += _thing(header, i, name, look, (x, y, heading), scene.radii[i])
         for marker in markers:
-            marker.lifetime = Duration(sec=LIFETIME_SECONDS)
+            marker.lifetime = Duration(sec=int(DISCOVERY_S))
         # Remove the markers of things that have gone.
         return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL), *markers])
 

@@ -16,7 +16,6 @@ from hitab_msgs.msg import TransitionEvent
 from hitab_client import (
     CommanderView,
     RosLink,
-    SignsOfLife,
     Stops,
     SwarmClient,
     SwarmError,
@@ -25,6 +24,7 @@ from hitab_client import (
 from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
+from hitab_ros.timing import FOUND_S, HEARTBEAT_S, SETTLE_S
 from hitab_studio.agent_watch import AgentWatch
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
@@ -35,20 +35,11 @@ from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
 
-STOPS_PERIOD_S = 0.5
-"""Period of the search for robots that can be stopped, s; a search lists all topics."""
-
-ARM_TIMEOUT_S = 3.0
-"""Timeout to find a robot that is re-armed, s."""
-
 STATE_CHANGES_KEPT = 60
 """State changes kept for each agent."""
 
 FOLLOWED_MAX = 40
 """Agents whose state changes are kept before a page views them; each subscription has a cost."""
-
-WORLD_WAIT_S = 1.0
-"""Time by which a running world has been heard, s."""
 
 
 @dataclass
@@ -122,11 +113,7 @@ class Observer:
         self._switch = EmergencySwitch(link.node, hands_on=True, known=known.emergency)
         self._stops = Stops(link, switch=self._switch)
         self._next_stops = 0.0
-        self._signs = SignsOfLife(
-            link,
-            (*target.agents, *([names.WORLD] if target.world else [])),
-            identity=target.identity,
-        )
+        self._signs = agents.signs_of_life(has_world=target.world)
         self._processes = Processes(target.folder)
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
@@ -148,7 +135,7 @@ class Observer:
         if state is None or state is self._shown or self._world.stranger is not None:
             return
         self._shown = state
-        self._signs.take_signs_of([names.WORLD])
+        self._signs.hear_known([names.WORLD])
         before, scene = self.known.scene, scene_of(state)
         self._remembered.see(scene)
         if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
@@ -162,14 +149,14 @@ class Observer:
         self._look_at_stops()
         known = self.known
         if (now := time.monotonic()) >= self._next_stops:
-            self._next_stops = now + STOPS_PERIOD_S
+            self._next_stops = now + HEARTBEAT_S
             self._stops.look()
         if self._world.status is not known.world:
             self._know(world=self._world.status)
         statuses = self._agents.statuses
         heard = {name for name, it in statuses.items() if known.statuses.get(name) is not it}
         if heard:
-            self._signs.take_signs_of(heard)
+            self._signs.hear_known(heard)
             is_new = bool(heard - known.statuses.keys())
             joined = time.monotonic() if is_new else known.joined
             self._know(statuses=MappingProxyType(dict(statuses)), joined=joined)
@@ -224,7 +211,7 @@ class Observer:
             now = time.monotonic()
             since = {name: before.get(name, now - seconds) for name, seconds in silent.items()}
             self._know(silent=MappingProxyType(since))
-        why = self._processes.why({*silent, *self.known.gone, *self.known.unheard})
+        why = self._processes.why({*silent, *self.known.unheard})
         if why != self.known.why:
             self._know(why=MappingProxyType(dict(why)))
 
@@ -253,14 +240,11 @@ class Observer:
         """Find agents that have joined or left."""
         node = self._link.node
         self._agents.discover()
-        before, now = self.known.gone, time.monotonic()
-        gone = {
-            name: before.get(name, now)
+        self._signs.set_gone(
+            name
             for name in self._agents.statuses
             if node.count_publishers(names.of_agent(name, names.STATUS, self._agents.prefix)) == 0
-        }
-        if gone != before:
-            self._know(gone=MappingProxyType(gone))
+        )
         self._update_elsewhere()
         self._find_robots()
         self._commanders.discover()
@@ -277,7 +261,7 @@ class Observer:
         known = self.known
         target = known.target
         if known.world is None and known.scene is None and not (target and target.world):
-            waited = time.monotonic() > known.joined + WORLD_WAIT_S
+            waited = time.monotonic() > known.joined + SETTLE_S
             if known.robots is None and known.statuses and waited:
                 self._know(robots=Robots())
             if known.statuses:
@@ -315,7 +299,7 @@ class Observer:
             SwarmError: if the robot is missing or refuses.
         """
         robot = f"{self._agents.prefix}/{agent}".strip("/")
-        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_TIMEOUT_S), agent)
+        await self._ask(lambda _: self._stops.arm.coroutine(robot, FOUND_S), agent)
 
     # -- recording --------------------------------------------------------------------------
 

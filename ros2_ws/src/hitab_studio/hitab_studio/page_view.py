@@ -15,6 +15,7 @@ from nicegui.element import Element
 from hitab_client import Training
 from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.timing import REFRESH_S, REPEAT_S
 from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data
 from hitab_studio.page import Page
 from hitab_studio.studio import Studio
@@ -22,9 +23,6 @@ from hitab_studio.ui_remedies import error_text
 from hitab_studio.views import PANELS, render
 
 STATIC = Path(__file__).parent / "static"
-REFRESH_SECONDS = 0.15
-REDRAW_SECONDS = 1.0
-"""Time within which a page shows the result of a request."""
 
 DRAW_EVERY = 2
 """Refreshes between two drawings of values that change continuously, such as curves."""
@@ -93,7 +91,7 @@ class RequestQueue:
         while (data := await self._queue.get()) is not None:
             await perform(page, data)
             self.waiting.remove(data)
-            self._shown_at = time.monotonic() + REDRAW_SECONDS
+            self._shown_at = time.monotonic() + REPEAT_S
             if not self.waiting:
                 page.unseen.clear()
             done()
@@ -180,7 +178,7 @@ class PageView:
                 ui.element("div").props('id="field-report" role="status"').classes("unseen")
         ui.on("studio", lambda event: self._receive(event.args))
         self._refresh()
-        ui.timer(REFRESH_SECONDS, self._refresh)
+        ui.timer(REFRESH_S, self._refresh)
         self._performing = asyncio.create_task(self._perform())
         self._client.on_delete(self._requests.close)
         page.leave = self._requests.close

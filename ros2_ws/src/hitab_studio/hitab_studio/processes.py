@@ -9,10 +9,8 @@ from pathlib import Path
 
 from hitab_client import RunFolder
 from hitab_client.run_processes import RunProcesses, Silence
+from hitab_ros.timing import HEARTBEAT_S
 from hitab_studio.received_vocabulary import NO_ITEMS
-
-POLL_INTERVAL_SECONDS = 0.5
-"""Period of requests to the supervisor while a process does not answer."""
 
 
 class Processes:
@@ -42,7 +40,7 @@ class Processes:
             return NO_ITEMS
         now = time.monotonic()
         if now >= self._next and (self._asking is None or not self._asking.is_alive()):
-            self._next = now + POLL_INTERVAL_SECONDS
+            self._next = now + HEARTBEAT_S
             self._asking = threading.Thread(
                 target=self._ask, args=(self._processes, tuple(absent)), daemon=True
             )

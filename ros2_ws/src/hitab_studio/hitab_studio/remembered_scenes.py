@@ -9,7 +9,7 @@ from types import MappingProxyType
 from hitab_studio.scene import Scene
 
 RECENT = 600
-"""Number of remembered scenes; at 10 Hz, the last minute."""
+"""Number of remembered scenes; those of the last minute, or of a longer time."""
 
 Key = tuple[str, str, int, int]
 """Key of an example: agent, automaton, number and cycle."""

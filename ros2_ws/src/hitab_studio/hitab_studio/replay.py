@@ -17,7 +17,6 @@ from hitab_core.labeling import Strip
 from hitab_studio.scene import Scene, scene_of
 from hitab_studio.swarm_state import SwarmState
 
-NANOSECONDS = 1e9
 REPLAYED = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
 STATE, STATUS, TRANSITION, EPISODE = REPLAYED
 
@@ -87,7 +86,7 @@ class Recording:
             name = message.schema.name
             if name not in REPLAYED:
                 continue
-            seconds = message.received / NANOSECONDS
+            seconds = message.received / 1e9
             if name == EPISODE:
                 self.episodes.append((seconds, message.decoded().ended))
                 continue

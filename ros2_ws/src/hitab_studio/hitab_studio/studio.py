@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hitab_client import SwarmError, user_name
+from hitab_ros.timing import UPDATE_S
 from hitab_studio.launcher import NONE
 from hitab_studio.page import Page, StudioState
 from hitab_studio.person_names import checked
@@ -17,8 +18,6 @@ from hitab_studio.scene import said_message
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_link import SwarmLink
 from hitab_studio.swarm_state import SwarmState
-
-REPLAY_SECONDS = 0.1
 
 KEPT_DIALOGS = frozenset(
     {"help", "label", "name", "release", "rename-recording", "delete-recording"}
@@ -106,7 +105,7 @@ class Studio(StudioState):
         moves = scene is not before.shown
         # In a paused world, too, colors show the states of agents and whether they answer.
         does = known.statuses is not before.statuses and scene and scene.mode == "paused"
-        falls_silent = known.silent is not before.silent or known.gone != before.gone
+        falls_silent = known.silent is not before.silent
         messages = []
         if scene is not None and (moves or does or falls_silent):
             if self.present.draw(scene, known.doing()):
@@ -163,10 +162,10 @@ class Studio(StudioState):
     async def _play(self) -> None:
         """Advance the time of open recordings."""
         while True:
-            await asyncio.sleep(REPLAY_SECONDS)
+            await asyncio.sleep(UPDATE_S)
             for page in list(self.pages.values()):
                 try:
-                    if page.player is not None and page.player.advance(REPLAY_SECONDS):
+                    if page.player is not None and page.player.advance(UPDATE_S):
                         page.show_moment()
                 except Exception as error:
                     page.stop_replay(error)

@@ -19,6 +19,7 @@ from hitab_client.identity import STARTED_BY_HAND
 from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns
+from hitab_ros.timing import AT_ONCE_S, REMIND_S, REPEAT_S, TURN_S
 from hitab_studio.observer import Connected as Connected
 from hitab_studio.observer import Observer
 from hitab_studio.robots.topics import Options
@@ -28,12 +29,6 @@ from hitab_studio.swarm_state import SwarmState
 T = TypeVar("T")
 
 STUDIO_NODE = "hitab_studio"
-SPIN_SECONDS = 0.01
-LINK_PERIOD_SECONDS = 0.05
-FIND_SECONDS = 1.0
-LEAVE_SECONDS = 10.0
-ERROR_REPEAT_SECONDS = 10.0
-"""Time before the same error is shown again."""
 
 STUDIO_ENDED = "The studio has ended."
 UNCONNECTED = (
@@ -164,7 +159,7 @@ class SwarmLink:
         while (swarm := self._connected) is None:
             if self._problem:
                 raise SwarmError(self._problem)
-            await asyncio.sleep(SPIN_SECONDS)
+            await asyncio.sleep(TURN_S)
         return swarm
 
     def choose(self, folder: str) -> None:
@@ -210,14 +205,14 @@ class SwarmLink:
                 self._begin(target)
                 if target.problem:
                     while self._is_still(target):
-                        await asyncio.sleep(FIND_SECONDS)
+                        await asyncio.sleep(REPEAT_S)
                 else:
                     await self._connect(target)
             except Exception as error:  # the loop must survive any error
                 logging.getLogger(__name__).exception("the link to the swarm")
                 why = f"The connection was lost: {what_went_wrong(error)}"
                 self._begin(SwarmTarget(0, problem=why))
-                await asyncio.sleep(FIND_SECONDS)
+                await asyncio.sleep(REPEAT_S)
 
     def _begin(self, target: SwarmTarget) -> None:
         """Reset the known state for another swarm, or for another start of the same swarm."""
@@ -277,7 +272,7 @@ class SwarmLink:
         failures = 0
         next_look = next_find = 0.0
         while True:
-            await asyncio.sleep(SPIN_SECONDS)
+            await asyncio.sleep(TURN_S)
             failures = 0 if self._try(lambda: swarm.link.spin(0.0)) else failures + 1
             if failures >= FAILURES_MAX:
                 raise SwarmError("nothing could be received for a while")
@@ -286,10 +281,10 @@ class SwarmLink:
             now = time.monotonic()
             self._try(observer.see)
             if now >= next_look:
-                next_look = now + LINK_PERIOD_SECONDS
+                next_look = now + AT_ONCE_S
                 self._try(observer.look)
             if now >= next_find:
-                next_find = now + FIND_SECONDS
+                next_find = now + REPEAT_S
                 self._try(observer.discover)
                 if not self._is_still(target):
                     return
@@ -331,7 +326,7 @@ class SwarmLink:
         """Show an error on one page, on the pages that view an agent, or on all pages."""
         now = time.monotonic()
         if now >= self._next_reports.get(text, 0.0):
-            self._next_reports[text] = now + ERROR_REPEAT_SECONDS
+            self._next_reports[text] = now + REMIND_S
             logging.getLogger(__name__).error("%s", text, exc_info=error)
             self._complain(text, **whose)
 

@@ -12,15 +12,13 @@ from typing import Any
 from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
+from hitab_ros.timing import ANSWER_S
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.received_vocabulary import NO_ITEMS
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT_MODE, Scene, state_shown
 from hitab_studio.swarm_finder import SwarmTarget
-
-JOINING_SECONDS = 15.0
-"""Time after the last new agent for which the studio waits for more agents."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +33,8 @@ class SwarmState:
         statuses: the last `AgentStatus` of each agent, by name.
         joined: time at which the last new agent was heard, or else of the connection, on the
             monotonic clock, s.
-        gone: agents whose node has disappeared, with the time of this on the monotonic clock, s.
-        silent: agents, or `names.WORLD`, without signs of life, with the time of the last sign on
-            the monotonic clock, s.
+        silent: agents, or `names.WORLD`, that give no signs of life or have left the graph, with
+            the time of the last sign on the monotonic clock, s.
         why: reasons for the silence of processes, if the swarm's supervisor knows them.
         groups: the last `CommanderStatus` of each commander, by name.
         watched: states of the viewed agents, by name.
@@ -56,7 +53,6 @@ class SwarmState:
     scene: Scene | None = None
     statuses: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
     joined: float = -math.inf
-    gone: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
     silent: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
     why: Mapping[str, Silence] = field(default_factory=lambda: NO_ITEMS)
     groups: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
@@ -83,11 +79,11 @@ class SwarmState:
     @property
     def is_waiting(self) -> bool:
         """Whether agents that were never heard may still appear."""
-        return bool(self.unheard) and time.monotonic() < self.joined + JOINING_SECONDS
+        return bool(self.unheard) and time.monotonic() < self.joined + ANSWER_S
 
     def answers(self, agent: str) -> bool:
         """Whether an agent is present and gives signs of life."""
-        return agent in self.statuses and agent not in self.gone and agent not in self.silent
+        return agent in self.statuses and agent not in self.silent
 
     @property
     def world_answers(self) -> bool:

@@ -7,9 +7,6 @@ from dataclasses import dataclass
 from hitab_client import is_answered
 from hitab_studio.swarm_state import SwarmState
 
-TAKEN_SECONDS = 2.0
-"""Time without an acknowledgement after which a command is reported as lost."""
-
 
 @dataclass(frozen=True)
 class UnansweredCommand:

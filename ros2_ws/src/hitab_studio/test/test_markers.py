@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from visualization_msgs.msg import Marker
 
-from hitab_studio.markers import EVERY_SECONDS, FRAME, LIFETIME_SECONDS, Markers
+from hitab_ros.timing import DISCOVERY_S, UPDATE_S
+from hitab_studio.markers import FRAME, Markers
 from hitab_studio.scene import Appearance, Scene
 
 DOING = {"keeper_1": ("performing", "GoFast")}
@@ -52,7 +53,7 @@ def test_each_thing_is_in_its_namespaces_and_lasts_for_a_while():
         ("things", 1),  # the ball faces nowhere
     }
     assert all(marker.header.frame_id == FRAME for marker in there)
-    assert all(marker.lifetime.sec == LIFETIME_SECONDS for marker in there)
+    assert all(marker.lifetime.sec == DISCOVERY_S for marker in there)
 
 
 def test_a_world_is_shown_as_often_as_anybody_can_see_and_a_paused_one_at_each_change():
@@ -64,7 +65,7 @@ def test_a_world_is_shown_as_often_as_anybody_can_see_and_a_paused_one_at_each_c
     publisher.subscribers = 1
     shown.look(None, {}, {})
     for i in range(5):
-        shown.show(scene(1.0 + i * EVERY_SECONDS / 2), DOING, COLORS)
+        shown.show(scene(1.0 + i * UPDATE_S / 2), DOING, COLORS)
     assert len(publisher.arrays) == 3
     for _ in range(2):
         shown.show(scene(9.0, "paused"), DOING, COLORS)

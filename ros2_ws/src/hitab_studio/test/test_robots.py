@@ -160,7 +160,7 @@ def tf2_msgs(monkeypatch):
     """Install a stand-in for tf, and let each look take the newest messages."""
     monkeypatch.setitem(sys.modules, "tf2_msgs", SimpleNamespace())
     monkeypatch.setitem(sys.modules, "tf2_msgs.msg", SimpleNamespace(TFMessage=object))
-    monkeypatch.setattr(watch, "WATCH_PERIOD_SECONDS", 0.0)
+    monkeypatch.setattr(watch, "UPDATE_S", 0.0)
 
 
 def one_robot() -> Watched:

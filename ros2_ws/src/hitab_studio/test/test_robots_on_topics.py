@@ -100,7 +100,7 @@ def test_what_needs_a_world_is_not_offered_for_robots_and_one_is_seen_when_its_a
         with pytest.raises(SwarmError, match="real robots"):
             await page.page.ask_world(lambda world: None)
         robot.end_agent()
-        await page.until(lambda: ROBOT in page.known.gone)
+        await page.until(lambda: ROBOT in page.known.silent)
         robot.stand(2.0, 0.0, 0.0)
         await page.until(lambda: page.stands(2.0, 0.0, 0.0))
         await page.until(lambda: page.known.doing()[ROBOT][0] == "silent")

@@ -10,12 +10,13 @@ from hitab_msgs.msg import AgentStatus, WorldStatus
 
 from hitab_client import SwarmError
 from hitab_ros import KnownStops
+from hitab_ros.timing import ANSWER_S
 from hitab_studio.actions import REGISTERED_ACTIONS
 from hitab_studio.page import Page
 from hitab_studio.page_view import perform
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import SwarmTarget
-from hitab_studio.swarm_state import JOINING_SECONDS, SwarmState
+from hitab_studio.swarm_state import SwarmState
 from hitab_studio.views import render
 from hitab_studio.views.side import TABS
 
@@ -128,7 +129,7 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
     said = shown(coming, "agents", "overlay", agent="forager_1")
     assert "no answer" not in said.lower()
     assert "has not been heard yet" in said
-    late = SwarmState(target, joined=time.monotonic() - JOINING_SECONDS - 1, world=WorldStatus())
+    late = SwarmState(target, joined=time.monotonic() - ANSWER_S - 1, world=WorldStatus())
     assert "No agent answers" in shown(late, "side", tab="swarm", agent="")
     assert "No answer" in shown(late, "overlay", agent="forager_1")
     some = SwarmState(UP, statuses=hears(ONE), joined=time.monotonic(), world=WorldStatus())
@@ -161,7 +162,7 @@ def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_no
     async def term(studio: Studio) -> None:
         stand_in.alive = ("world", "nobody")
         deadline = time.monotonic() + 60.0
-        while (observer := studio.link._observer) is None or len(observer._signs._heard) < 2:
+        while (observer := studio.link._observer) is None or len(observer._signs.last_signs) < 2:
             assert time.monotonic() < deadline, "the signs are heard"
             await asyncio.sleep(0.01)
         stand_in.alive = ()

@@ -32,6 +32,7 @@ from hitab_ros.diagnostics import Diagnosis, Diagnostics
 from hitab_ros.emergency_stop import stopped_by
 from hitab_ros.fault_texts import STOPPED
 from hitab_ros.stamps import NANOSECONDS, time_of
+from hitab_ros.timing import ANSWER_S, AT_ONCE_S, HEARTBEAT_S
 from hitab_world.control import Control
 from hitab_world.diagnosis import diagnosis_of_world
 from hitab_world.lockstep import RoundAnswers
@@ -43,13 +44,9 @@ from hitab_world.world_memory import WorldMemory
 from hitab_world.world_services import WorldServices
 from hitab_world.world_topics import WorldTopics
 
-STATUS_PERIOD_NS = NANOSECONDS
-FAULTS_PERIOD_NS = NANOSECONDS // 20  # time from a change of the faults to its publication
-LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its episodes
 NAMED_MAX = 10  # maximum number of agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
 UNSAVED_FAULT = "unsaved"
-STOP_PERIOD_S = 0.5  # time between two reports whether an emergency stop holds the world
 STEPPED_DEADLINES = 3  # how many deadlines to wait for answers in a stepped cycle
 HOSTS_TIMEOUT_NS = 60 * NANOSECONDS  # time without a new host, after which none is waited for
 UNREAD_MAX = 100  # maximum number of events handled after a deadline, to find unread answers
@@ -106,7 +103,7 @@ class WorldNode(GuardedNode):
             self, self.run_state, self.memory, self._topics, self.update_presence
         )
         self._switch = EmergencySwitch(self, self._emergency, hands_on=True)
-        steady_timer(self, STOP_PERIOD_S, self._publish_stop_state)
+        steady_timer(self, HEARTBEAT_S, self._publish_stop_state)
 
     def _emergency(self, known: KnownStops) -> None:
         """Hold the world while an emergency stop is engaged; then continue as before."""
@@ -137,7 +134,7 @@ class WorldNode(GuardedNode):
         """Run the world until the spinner is stopped; return the exit code."""
         if self._restored and self.control.episodes_left:
             # The client that waits for these episodes has to discover this process first.
-            spinning.spin_until(lambda: self._topics.episodes_are_heard, LISTENER_S)
+            spinning.spin_until(lambda: self._topics.episodes_are_heard, ANSWER_S)
         while not spinning.stopped:
             if not self.guard.run(TURN, self._turn, spinning):
                 self._pause(TURN)
@@ -197,7 +194,7 @@ class WorldNode(GuardedNode):
     def _publish_periodically(self) -> None:
         now = time.monotonic_ns()
         if now >= self._next_status_ns:
-            self._next_status_ns = now + STATUS_PERIOD_NS
+            self._next_status_ns = now + NANOSECONDS
             changed = self.update_presence()
             if changed:
                 self._hosts_until_ns = now + HOSTS_TIMEOUT_NS
@@ -355,7 +352,9 @@ class WorldNode(GuardedNode):
     def faults_changed(self) -> None:
         """Publish the status soon, at the next turn."""
         self._diagnostics.soon()
-        self._next_status_ns = min(self._next_status_ns, time.monotonic_ns() + FAULTS_PERIOD_NS)
+        self._next_status_ns = min(
+            self._next_status_ns, time.monotonic_ns() + int(AT_ONCE_S * NANOSECONDS)
+        )
 
 
 def run_world(make_world: Callable[[Node, int], World]) -> NoReturn:

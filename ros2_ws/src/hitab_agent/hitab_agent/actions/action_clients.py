@@ -26,9 +26,7 @@ from hitab_core import (
     unknown,
 )
 from hitab_ros import GuardedNode, names, qos
-
-GOAL_PERIOD_S = 0.1
-"""Time between two checks of the goals, s."""
+from hitab_ros.timing import UPDATE_S
 
 
 class ActionClients:
@@ -78,7 +76,7 @@ class ActionClients:
             remembered = self._remembered(behavior.action)
             server.goals += [Goal(orphaned, None, server, one) for one in remembered]
         calls_of(agent.body).carrier = self
-        scheduler.every(GOAL_PERIOD_S, self.look, node.guard)
+        scheduler.every(UPDATE_S, self.look, node.guard)
 
     def _remembered(self, action: str) -> list[bytes]:
         """Return the identities of a killed process's goals, except damaged ones."""

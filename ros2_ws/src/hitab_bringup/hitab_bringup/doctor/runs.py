@@ -9,13 +9,13 @@ from hitab_bringup.doctor.finding import WARNING, Finding, judged
 from hitab_client import RunRecord, SwarmError
 from hitab_client.cli_remedies import as_command
 from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms, running_swarms
-from hitab_client.run_processes import SUPERVISOR_TIMEOUT_SECONDS, is_suspended, process_states
+from hitab_client.run_processes import is_suspended, process_states
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, quantity, some
+from hitab_ros.timing import DISCOVERY_S, FOUND_S
 
 PROCESSES_NAMED_MAX = 5  # maximum number of processes listed by name
 LARGE_SWARM = 100  # number of agents above which requests take long
-DOCTOR_TIMEOUT_SECONDS = 3.0
 
 
 def swarms() -> Iterator[Finding]:
@@ -31,7 +31,7 @@ def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
         yield Finding("swarm", text, WARNING, stop)
         return
     try:
-        states = process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
+        states = process_states(record, DISCOVERY_S)
     except SwarmError as error:
         yield Finding("swarm", error.problem, WARNING, stop)
         return
@@ -85,11 +85,11 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
         agents = SwarmClient(
             link, record.agents, prefix=record.namespace, identity=record.identity
         )
-        link.spin_until(lambda: len(agents.statuses) == len(record.agents), DOCTOR_TIMEOUT_SECONDS)
+        link.spin_until(lambda: len(agents.statuses) == len(record.agents), FOUND_S)
         statuses = dict(agents.statuses)
     mute = [name for name in record.agents if name not in statuses]
     if mute:
-        text = f"{some(mute)} of {record.swarm} did not answer within {DOCTOR_TIMEOUT_SECONDS:g} s"
+        text = f"{some(mute)} of {record.swarm} did not answer within {FOUND_S:g} s"
         yield Finding("agents", text, WARNING, as_command(Fix.LOGS(node=mute[0])))
     found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
     yield from (Finding("agents", fault, WARNING, as_command(Fix.STATUS())) for fault in found)

@@ -35,16 +35,9 @@ from hitab_client.cli_remedies import called, with_commands
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, some
+from hitab_ros.timing import ANSWER_S, DISCOVERY_EACH_S, POLL_S, PROMPT_S, SETTLE_S, START_S
 
-SWARM_SECONDS = 60.0
-START_SECONDS_EACH = 0.2  # added per agent
-START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
-COMMANDERS_SECONDS = 10.0  # timeout for commanders, once all nodes have reported
 DOMAINS_TRIED = 3  # maximum number, if names are taken
-SENSORS_SECONDS = 1.5  # timeout for robots to find their sensors, once they are up
-VALUES_SECONDS = 2.0  # timeout for first percepts, and for values from subordinates
-STRANGER_SECONDS = 1.0  # timeout for the owner of a name to report
-PROCESS_PERIOD_SECONDS = 0.3  # period of checks of the processes
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of nodes that are up, the expected number and the missing names."""
@@ -242,11 +235,11 @@ def _answering(
                 _show(progress, names, total)
             if names and time.monotonic() >= next_look:
                 _refuse_failed(swarm.file, starting)
-                next_look = time.monotonic() + PROCESS_PERIOD_SECONDS
+                next_look = time.monotonic() + POLL_S
             return not names
 
         running = len({member.process for member in swarm.members})
-        allowed = SWARM_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
+        allowed = START_S + 10 * DISCOVERY_EACH_S * total + PROMPT_S * running
         if not link.spin_until(complete, allowed):
             names = list(missing())
             lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
@@ -280,7 +273,7 @@ def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
     except SwarmError as error:
         agents, world = swarm.agents, swarm.world
         swarm.link.spin_until(
-            lambda: bool(agents.strangers) or world.stranger is not None, STRANGER_SECONDS
+            lambda: bool(agents.strangers) or world.stranger is not None, SETTLE_S
         )
         _refuse_taken(swarm.record, agents, world)
         wrong = re.search(r'the parameter "([\w.]+)" is ', str(error))
@@ -328,7 +321,7 @@ def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: Sequenc
             waiting.pop()
         return not waiting
 
-    link.spin_until(all_perceive, VALUES_SECONDS)
+    link.spin_until(all_perceive, PROMPT_S)
 
 
 def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
@@ -337,8 +330,8 @@ def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
     def has_faults() -> bool:
         return any(status.faults for status in agents.statuses.values())
 
-    if link.spin_until(has_faults, SENSORS_SECONDS):
-        link.spin_until(lambda: not has_faults(), VALUES_SECONDS)
+    if link.spin_until(has_faults, SETTLE_S):
+        link.spin_until(lambda: not has_faults(), PROMPT_S)
 
 
 def _await_commanders(running: RunningSwarm, progress: Progress | None) -> Iterator[str]:
@@ -354,7 +347,7 @@ def _await_commanders(running: RunningSwarm, progress: Progress | None) -> Itera
             _show(progress, missing, len(commanders))
         return not missing
 
-    allowed = COMMANDERS_SECONDS + START_SECONDS_EACH * len(running.record.agents)
+    allowed = ANSWER_S + 10 * DISCOVERY_EACH_S * len(running.record.agents)
     if commanders and not running.link.spin_until(complete, allowed):
         names = list(missing)
         yield (

@@ -33,8 +33,7 @@ from hitab_client.run_folder import MARK
 from hitab_client.run_processes import ENDED_STATES, answers, process_states
 from hitab_client.swarm_choice import way_to_stop
 from hitab_ros.exit_codes import DO_NOT_RESTART
-
-STOP_SECONDS = 10.0
+from hitab_ros.timing import ANSWER_S
 
 
 def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[str, str]:
@@ -193,7 +192,7 @@ def stop(folder: RunFolder) -> list[int]:
     if record is not None and supervisor is not None:
         with contextlib.suppress(psutil.Error):
             supervisor.terminate()
-            deadline = time.monotonic() + STOP_SECONDS
+            deadline = time.monotonic() + ANSWER_S
             while supervisor.is_running() and time.monotonic() < deadline:
                 answers(record)  # makes it handle signals now, not after a second
                 with contextlib.suppress(psutil.TimeoutExpired):

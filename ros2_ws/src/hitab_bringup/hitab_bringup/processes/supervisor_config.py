@@ -12,14 +12,13 @@ from pathlib import Path
 
 from hitab_bringup.swarm_files.swarm_description import Process
 from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
+from hitab_ros.timing import FOUND_S
 
 SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"
 """Environment variable of supervisord with the path of its socket."""
 
 COMMANDS_FOLDER = "commands"
 """Folder with the command of each process, in the run folder, where supervisord runs."""
-
-PROCESS_START_SECONDS = 3
 
 
 def write_commands(processes: Sequence[Process], folder: Path) -> None:
@@ -64,8 +63,8 @@ def _program(name: str) -> str:
     return f"""
 [program:{name}]
 command=/bin/sh {COMMANDS_FOLDER}/{name}
-environment={FINAL_AFTER}="{PROCESS_START_SECONDS}"
-startsecs={PROCESS_START_SECONDS}
+environment={FINAL_AFTER}="{FOUND_S:.0f}"
+startsecs={FOUND_S:.0f}
 startretries=12
 exitcodes={DO_NOT_RESTART}
 stopwaitsecs=5

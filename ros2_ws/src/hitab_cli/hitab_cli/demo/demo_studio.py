@@ -10,8 +10,7 @@ from collections.abc import Iterator
 
 from hitab_bringup import RunningSwarm
 from hitab_client import SwarmError, console
-
-STUDIO_START_SECONDS = 20.0
+from hitab_ros.timing import START_S
 
 
 @contextlib.contextmanager
@@ -25,7 +24,7 @@ def studio_beside(running: RunningSwarm, port: int, *, browser: bool) -> Iterato
     command += ["--run-dir", str(running.folder.path), "--browser" if browser else "--no-browser"]
     process = subprocess.Popen(command, start_new_session=True)
     try:
-        deadline = time.monotonic() + STUDIO_START_SECONDS
+        deadline = time.monotonic() + START_S
         node = running.link.node
         while node.count_subscribers("/world/state") < 2:  # this process watches too
             if process.poll() is not None or time.monotonic() > deadline:

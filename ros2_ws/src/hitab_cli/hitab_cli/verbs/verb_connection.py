@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from hitab_client import console
 from hitab_client.cli_remedies import with_commands
+from hitab_ros.timing import REFRESH_S
 
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
     from hitab_client.run_processes import RunProcesses
-
-WATCH_SECONDS = 0.2  # between two updates of a watched view
 
 
 @dataclass
@@ -57,7 +56,7 @@ class Connection:
 
         with console.live(Group(*shown())) as update:
             while True:
-                self.link.spin_until(lambda: False, WATCH_SECONDS)
+                self.link.spin_until(lambda: False, REFRESH_S)
                 update(Group(*shown()))
 
     @property

@@ -28,18 +28,13 @@ from hitab_client.world_client import WorldClient
 from hitab_core import START, HitabError, Term, natural, numbers_of, some
 from hitab_core.operations import Perform, Redo, SaveBehavior, TakeOver, Undo
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names
+from hitab_ros.timing import FOUND_S, PROMPT_S
 
 KEY_AGE_MAX_S = 1.0
 """Maximum age of a key, s: an older key was meant for another situation."""
 
 PENDING_MAX = 8
 """Maximum number of keys that wait until an agent has answered."""
-
-TAKEN_S = 2.0
-"""Timeout for an agent to take a command, s."""
-
-RELAY_TIMEOUT_S = 3.0
-"""Timeout for finding a robot's relay, s."""
 
 DRIVING_BY_HAND = "driving by hand"
 
@@ -217,7 +212,7 @@ class Demonstrator:
         self.steering.hold(velocity, seconds)
         if self.switch.engaged:
             self._refuse_steering("the emergency stop holds the robots")
-        elif not self.steering.reaches_relay and now <= self._chosen_at + RELAY_TIMEOUT_S:
+        elif not self.steering.reaches_relay and now <= self._chosen_at + FOUND_S:
             self.steering.release()  # the relay may still be discovered
         elif not self.steering.reaches_relay:
             self._refuse_steering(
@@ -324,7 +319,7 @@ class Demonstrator:
             return ""
         term = Term.parse(pressed.behavior)
         words.check_bound(term, agent)
-        return command(agents, self._world, agent, str(term), seen=pressed.seen, seconds=TAKEN_S)
+        return command(agents, self._world, agent, str(term), seen=pressed.seen, seconds=PROMPT_S)
 
     def _ask(self, pressed: Pressed, words: AgentVocabulary) -> bool:
         """Prompt for a missing target or number; return whether one is missing."""
@@ -362,7 +357,7 @@ class Demonstrator:
         return f"the world is {self._world.control(action).message}"
 
     def _arm(self, agent: str) -> str:
-        self._stops.arm(f"{self._agents.prefix}/{agent}".strip("/"), TAKEN_S)
+        self._stops.arm(f"{self._agents.prefix}/{agent}".strip("/"), PROMPT_S)
         return f"{agent} may act"
 
     def _halt(self, agent: str) -> str:

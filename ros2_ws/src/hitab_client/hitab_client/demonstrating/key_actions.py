@@ -15,7 +15,8 @@ from hitab_core.operations import (
     TakeOver,
     Test,
 )
-from hitab_ros.call import CALL_SECONDS, blocking
+from hitab_ros.call import blocking
+from hitab_ros.timing import ANSWER_S
 
 EARLIER_SECONDS = 0.2
 """Time by which one key press dates a command back, in seconds of the person's time."""
@@ -31,7 +32,7 @@ async def command(
     seen: int,
     id: str = "",
     by: str = "",
-    seconds: float = CALL_SECONDS,
+    seconds: float = ANSWER_S,
 ) -> str:
     """Command a behavior in training, or make the agent perform it; return the outcome.
 

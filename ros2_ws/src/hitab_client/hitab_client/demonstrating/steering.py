@@ -15,9 +15,7 @@ from geometry_msgs.msg import TwistStamped
 from rclpy.qos import QoSProfile
 
 from hitab_ros import GuardedNode, names, steady_timer
-
-RATE_HZ = 20.0
-"""Rate of velocity messages; the relay stops the robot after 0.3 s without one."""
+from hitab_ros.timing import AT_ONCE_S
 
 Velocity = tuple[float, float, float]
 """Velocity: m/s ahead, m/s to the left, rad/s (REP 103)."""
@@ -54,7 +52,7 @@ class Steering:
         self._wanted = STILL
         self.until = -math.inf
         self._sent = STILL
-        steady_timer(node, 1.0 / RATE_HZ, self._tick)
+        steady_timer(node, AT_ONCE_S, self._tick)
 
     def choose(self, agent: str) -> None:
         """Drive another robot from now on; the last one stops."""

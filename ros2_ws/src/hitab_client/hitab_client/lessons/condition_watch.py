@@ -19,9 +19,7 @@ from hitab_client.world_client import WorldClient
 from hitab_client.world_view import WorldView, speakers
 from hitab_ros import names, qos
 from hitab_ros.stamps import seconds_of
-
-CONDITION_CHECK_SECONDS = 0.1
-"""Period of checks of robots without a world, s."""
+from hitab_ros.timing import UPDATE_S
 
 
 class ConditionWatch:
@@ -86,7 +84,7 @@ class ConditionWatch:
         """Watch for one period, or for one cycle of the world."""
         self._passed = {}
         if self._world is None:
-            self._swarm.link.spin_until(lambda: False, CONDITION_CHECK_SECONDS)
+            self._swarm.link.spin_until(lambda: False, UPDATE_S)
             self._entered = self._passed
             return
         earlier, before = self._world.state, self.now()

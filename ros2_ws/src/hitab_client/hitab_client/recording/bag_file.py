@@ -16,14 +16,13 @@ from rclpy.qos import QoSProfile
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.message_definitions import definition
+from hitab_ros.stamps import NANOSECONDS
 
 METADATA = "hitab"
 """Name of the metadata record; recordings without one have the first format."""
 
 BAG_FORMAT = 1
 """Format version that is written."""
-
-NANOSECONDS = 10**9
 
 
 class BagFile:

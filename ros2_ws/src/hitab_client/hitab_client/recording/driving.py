@@ -16,7 +16,6 @@ from hitab_ros.stamps import seconds_of
 VELOCITY_TOPIC = "cmd_vel"
 """Topic of a robot's applied velocity, in the agent's namespace."""
 
-NANOSECONDS = 1e9
 _PERCEPTS = (names.PERCEIVED, names.PERCEPT)
 
 
@@ -77,7 +76,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
             if content.look or (seen and seen[-1][1].sequence == content.sequence):
                 continue  # repeated for a recorder, or in a paused world
             latest[content.sequence] = len(seen)
-            seen.append((message.received / NANOSECONDS, content))
+            seen.append((message.received / 1e9, content))
             did.append(velocity or early.pop(content.sequence, None))
         elif topic == names.ACTIONS and content.agent == name:
             if velocity is not None:

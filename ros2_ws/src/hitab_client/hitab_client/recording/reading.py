@@ -23,6 +23,7 @@ from hitab_client.recording.message_definitions import message_class, same_defin
 from hitab_client.recording.recordings import RECORDING_SUFFIX
 from hitab_core import has, natural, newer_format, quantity
 from hitab_ros import own_hash
+from hitab_ros.stamps import NANOSECONDS
 
 MAGIC = b"\x89MCAP0\r\n"
 ZSTD = b"\x28\xb5\x2f\xfd"
@@ -30,11 +31,8 @@ ZSTD = b"\x28\xb5\x2f\xfd"
 
 OTHER = "; `ros2 bag convert` converts other bags, and `zstd -d` unpacks .zstd files"
 
-SET_BACK_NS = 10**9
-"""A larger step back in time means that the clock was set."""
-
-SET_AHEAD_NS = 24 * 3600 * 10**9
-"""A longer pause between two messages means that the clock was set."""
+SET_AHEAD_NS = 24 * 3600 * NANOSECONDS
+"""A longer pause between two messages means that the clock was set, as a second back does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +175,7 @@ class RecordedMessages:
         if not self._last:
             self._last = logged
         ahead = logged + self._shift - self._last
-        if not -SET_BACK_NS <= ahead <= SET_AHEAD_NS:
+        if not -NANOSECONDS <= ahead <= SET_AHEAD_NS:
             self._shift -= ahead
             ahead = 0
         self._last += max(0, ahead)

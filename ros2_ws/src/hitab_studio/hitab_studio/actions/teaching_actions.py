@@ -14,13 +14,14 @@ from hitab_client import (
     is_answered,
 )
 from hitab_core import Term, with_numbers
+from hitab_ros.timing import PROMPT_S
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import paused
 from hitab_studio.page import CHOOSE_FIRST, Page
 from hitab_studio.page_parts import MissingTargets, ShownNumbers
 from hitab_studio.swarm_link import Connected
 from hitab_studio.ui_remedies import answer_text
-from hitab_studio.unanswered_command import TAKEN_SECONDS, UnansweredCommand
+from hitab_studio.unanswered_command import UnansweredCommand
 from hitab_studio.unavailable import nothing_in_training
 
 
@@ -75,7 +76,7 @@ async def _commanded(page: Page, behavior: str, seen: int, sequence: int = 0) ->
     taken = False
     learns = page.is_training
     # Discovery of an agent that was restarted meanwhile takes time.
-    seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
+    seconds = ACKNOWLEDGE_SECONDS if sequence else PROMPT_S
     demonstrator = page.demonstrator
 
     async def sending(swarm: Connected, agent: str) -> None:

@@ -16,11 +16,10 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
 
 from hitab_client import RosLink
+from hitab_ros.timing import FOUND_S
 from hitab_studio.robots.tf_frames import Matrix, matrix
 
 MOUNT_FIELDS = ("x", "y", "yaw", "upside_down")
-MOUNT_RETRY_SECONDS = 5.0
-"""Delay before a request without an answer is repeated."""
 
 
 class Mounts:
@@ -42,7 +41,7 @@ class Mounts:
         unknown = [topic for topic in self._scans if topic not in self.of]
         if not unknown or time.monotonic() < self._next or not self._client.service_is_ready():
             return
-        self._next = time.monotonic() + MOUNT_RETRY_SECONDS
+        self._next = time.monotonic() + FOUND_S
         for topic in unknown:
             names = [f"{topic.rpartition('/')[2]}.{field}" for field in MOUNT_FIELDS]
             future = self._client.call_async(GetParameters.Request(names=names))

@@ -11,6 +11,7 @@ from rclpy.serialization import deserialize_message
 from hitab_client import RosLink, SwarmError
 from hitab_client.recording import message_class
 from hitab_ros import qos
+from hitab_ros.timing import SILENT_AFTER_S
 from hitab_studio.robots.robot_messages import (
     ROBOT_MESSAGE_BYTES_MAX,
     Refused,
@@ -20,9 +21,6 @@ from hitab_studio.robots.robot_messages import (
     scan_of,
 )
 from hitab_studio.robots.topics import CAMERA, MAP, ODOM_TYPE, SCAN
-
-ROBOT_SILENT_SECONDS = 2.0
-"""Silence after which a robot's place is unknown, and a scan is no longer drawn."""
 
 READERS = {ODOM_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 
@@ -84,7 +82,7 @@ class TopicReader:
     @property
     def is_silent(self) -> bool:
         """Whether the last message is too old."""
-        return self.age is None or self.age > ROBOT_SILENT_SECONDS
+        return self.age is None or self.age > SILENT_AFTER_S
 
     def close(self) -> None:
         """Stop listening."""

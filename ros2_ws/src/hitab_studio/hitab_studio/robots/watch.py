@@ -15,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from hitab_client import RosLink
 from hitab_core import natural
+from hitab_ros.timing import UPDATE_S
 from hitab_studio.robots.mounts import Mounts
 from hitab_studio.robots.robot_messages import SCANS, Grid, Placed
 from hitab_studio.robots.tf_frames import Frames, Matrix, applied, in_plane
@@ -28,9 +29,6 @@ from hitab_studio.robots.topics import (
     robots_topics,
 )
 from hitab_studio.scene import Appearance, Scene
-
-WATCH_PERIOD_SECONDS = 0.1
-"""Period of the watch; pages are not updated more often."""
 
 MAP_FRAME = "map"  # as in REP 105
 TF_QUEUE = 200
@@ -122,7 +120,7 @@ class RobotWatch:
         if not viewed:
             self.close()
         elif now >= self._next_look:
-            self._next_look = now + WATCH_PERIOD_SECONDS
+            self._next_look = now + UPDATE_S
             self._listen(agents)
             self._known = self._look()
         return self._known

@@ -13,15 +13,10 @@ from hitab_client import SwarmError, console, user_name
 from hitab_client.cli_options import SwarmName
 from hitab_client.cli_remedies import as_command, called, with_commands
 from hitab_core import Fix, has, some
+from hitab_ros.timing import ANSWER_S, FOUND_S
 
 if TYPE_CHECKING:
     from hitab_client import Stops
-
-CONFIRM_S = 10.0
-"""Timeout for all to confirm a stop or release, s."""
-
-REARM_TIMEOUT_S = 3.0
-"""Time to look for robots that wait to be re-armed, s."""
 
 
 def stop(
@@ -72,7 +67,7 @@ def go(context: typer.Context, reason: str = "") -> None:
             + as_command(Fix.ARM(robot=context.args[0]))
         )
     unsure = "they may still be stopped; try again"
-    confirmed = _switch(False, reason, "released", unsure, CONFIRM_S)
+    confirmed = _switch(False, reason, "released", unsure, ANSWER_S)
     console.say(f"released: {confirmed}; robots wait for `{called()} arm`")
 
 
@@ -104,7 +99,7 @@ def arm(
     refused = []
     with _chosen_robots(swarm) as (end, prefix, own):
         where = f"in ROS domain {end.domain_id}"
-        Stops.listen([end], REARM_TIMEOUT_S)
+        Stops.listen([end], FOUND_S)
         waiting = {
             name: it
             for name, it in end.waiting().items()
@@ -121,7 +116,7 @@ def arm(
             try:
                 if own and name not in own:
                     raise SwarmError(f"{robot} is not in this swarm {has(own, name)}")
-                end.arm(name, REARM_TIMEOUT_S)
+                end.arm(name, FOUND_S)
                 console.say(f"{robot} may act {where}")
             except SwarmError as error:
                 refused.append(str(error))
@@ -147,7 +142,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
     shown: list[object] = []
 
     def tell(who: dict[str, str], after: float) -> None:
-        is_late = after > CONFIRM_S and seconds > CONFIRM_S
+        is_late = after > ANSWER_S and seconds > ANSWER_S
         if [who, is_late] == shown or not (who or is_late):
             return
         shown[:] = who, is_late

@@ -13,15 +13,13 @@ from hitab_client.cli_options import JsonPath, SwarmName
 from hitab_client.cli_remedies import with_commands
 from hitab_core import Fix, Term, has, quantity
 from hitab_core.operations import Perform
+from hitab_ros.timing import DISCOVERY_S, PROMPT_S, SETTLE_S
 
 if TYPE_CHECKING:
     from rich.tree import Tree
 
     from hitab_client import Branch, CommanderView
 
-WAIT_SECONDS = 8.0
-COMMANDER_DISCOVERY_SECONDS = 1.5  # timeout for commanders if the swarm has started none
-GROUP_SECONDS = 2.0  # timeout for a group once its commander's status is known
 SUBORDINATES_SHOWN_MAX = 12
 """Maximum number of a commander's agents that are shown individually."""
 
@@ -76,13 +74,13 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     started = swarm_up.record.commanders if swarm_up.record is not None else ()
     if not started:
         by_hand = swarm_up.record is None
-        view.await_groups(WAIT_SECONDS if by_hand else COMMANDER_DISCOVERY_SECONDS)
+        view.await_groups(DISCOVERY_S if by_hand else SETTLE_S)
         return []
     from hitab_client.run_processes import sentences
 
     why = {name: swarm_up.processes.why_silent(name) for name in started}
     awaited = [name for name, silence in why.items() if silence is None or not silence.lasts]
-    view.await_groups(WAIT_SECONDS + swarm_up.agents.more_seconds, awaited)
+    view.await_groups(DISCOVERY_S + swarm_up.agents.more_seconds, awaited)
     view.discover()
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
@@ -210,8 +208,8 @@ def order(
         started = swarm_up.record.commanders if swarm_up.record is not None else ()
         if commander in swarm_up.agents.expected:
             _refuse_agent(commander, behavior, started)
-        more = WAIT_SECONDS + swarm_up.agents.more_seconds
-        view.await_groups(more if commander in started else GROUP_SECONDS, (commander,))
+        more = DISCOVERY_S + swarm_up.agents.more_seconds
+        view.await_groups(more if commander in started else PROMPT_S, (commander,))
         _refuse_agent(commander, behavior, view.groups)
         swarm_up.agents.do(commander, Perform(term.name, term.arguments))
         swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(term)), 2.0)

@@ -9,10 +9,11 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_cli.verbs.verb_connection import WATCH_SECONDS, Connection, connection
+from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Term, shown_unit, shown_value
+from hitab_ros.timing import REFRESH_S
 
 
 def perceive(
@@ -76,7 +77,7 @@ def why(agent: AgentName, swarm: SwarmName = None) -> None:
         swarm_up.link.subscribe(TransitionEvent, topic, show_event, qos.EVENTS)
         console.note(f"{agent} is {agents.statuses[agent].mode}; Ctrl-C ends this")
         while True:
-            swarm_up.link.spin(WATCH_SECONDS)
+            swarm_up.link.spin(REFRESH_S)
 
 
 def _all(words: Any) -> Iterator[str]:

@@ -10,6 +10,7 @@ import typer
 from hitab_client import SwarmError, completion, console
 from hitab_client.cli_options import SwarmName
 from hitab_core import Fix, has
+from hitab_ros.timing import POLL_S
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
 Level = Literal["debug", "info", "warn", "error", "fatal"]
-LOG_PERIOD_SECONDS = 0.3  # between two looks for new lines
 
 
 def logs(
@@ -61,7 +61,7 @@ def logs(
         if not up:
             console.note(f"{folder.path.name} is down")
             return
-        time.sleep(LOG_PERIOD_SECONDS)
+        time.sleep(POLL_S)
 
 
 def _say(lines: Iterable[LogLine], names: bool) -> None:

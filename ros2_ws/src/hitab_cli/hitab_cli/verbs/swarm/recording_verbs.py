@@ -14,16 +14,11 @@ from hitab_client.cli_options import SwarmName
 from hitab_client.cli_remedies import with_commands
 from hitab_client.interruptions import not_interrupted
 from hitab_core import Fix, quantity
+from hitab_ros.timing import HEARTBEAT_S, SETTLE_S
 
 if TYPE_CHECKING:
     from hitab_client import RosLink
     from hitab_client.recording import Recorder
-
-STATUS_S = 1.0
-"""Timeout for the status of the world, s."""
-
-TOPIC_PERIOD_S = 0.5
-"""Period of the search for new topics, s."""
 
 
 def record(
@@ -57,7 +52,7 @@ def record(
         chosen = [topic if topic.startswith("/") else f"/{topic}" for topic in topics or ()]
         recorder = Recorder(swarm_up.link, path, also=chosen, robots=robots)
         if swarm_up.has_world:
-            swarm_up.link.spin_until(lambda: swarm_up.world.status is not None, STATUS_S)
+            swarm_up.link.spin_until(lambda: swarm_up.world.status is not None, SETTLE_S)
         if swarm_up.world.is_paused:
             console.note(
                 with_commands("the world is paused: nothing changes", [Fix.RESUME_WORLD()])
@@ -109,7 +104,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
             now = time.monotonic()
             if seconds is not None and now - began >= seconds:
                 return
-            if now - looked < TOPIC_PERIOD_S:
+            if now - looked < HEARTBEAT_S:
                 continue
             looked = now
             recorder.look()

@@ -14,10 +14,11 @@ from hitab_client import SwarmError, console
 from hitab_client.cli_options import JsonPath, SwarmName
 from hitab_client.cli_remedies import as_command
 from hitab_core import Fix, each_once, natural, quantity, some
+from hitab_ros.timing import SETTLE_S
 
 if TYPE_CHECKING:
-    from hitab_client import SignsOfLife
     from hitab_client.run_processes import Silence
+    from hitab_ros import SignsOfLife
 
 AGENT_FIELDS = (
     "domain mode behavior active_path cycle library_digest last_error faults armed stopped "
@@ -30,8 +31,6 @@ WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing la
 
 WAYS_MAX = 10
 """Maximum number of shown remedies."""
-
-HAND_STARTED_WORLD_SECONDS = 1.0  # timeout for a world that was started by hand
 
 
 def status(
@@ -77,25 +76,21 @@ def _await_world(swarm_up: Connection) -> None:
 
     world = swarm_up.world
     if swarm_up.record is None:
-        swarm_up.link.spin_until(lambda: world.status is not None, HAND_STARTED_WORLD_SECONDS)
+        swarm_up.link.spin_until(lambda: world.status is not None, SETTLE_S)
     elif swarm_up.has_world:
         with suppress(SwarmError):  # a missing world is shown with the silent agents
             world.wait()
 
 
 def _watch(swarm_up: Connection) -> NoReturn:
-    from hitab_client import SignsOfLife
-
-    started = (*swarm_up.agents.expected, *(["world"] if swarm_up.has_world else []))
-    signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
-
+    signs = swarm_up.agents.signs_of_life(has_world=swarm_up.has_world)
     last: dict[str, Any] = {}
 
     def shown() -> list[Any]:
         nonlocal last
         swarm_up.agents.discover()
         now = {**swarm_up.agents.statuses, "world": swarm_up.world.status}
-        signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
+        signs.hear_known(name for name, it in now.items() if it is not last.get(name))
         last = now
         silent = _silent(swarm_up, signs)
         return _rendered(_status_data(swarm_up, silent), silent)

@@ -15,13 +15,12 @@ from hitab_client import SwarmError, console
 from hitab_client.cli_options import SwarmName
 from hitab_client.cli_remedies import with_commands
 from hitab_core import Fix, quantity
+from hitab_ros.timing import PROMPT_S
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import WorldState
 
     from hitab_client import WorldClient
-
-OUTCOME_SECONDS = 2.0  # timeout for the outcome of an episode
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.")
 
@@ -109,7 +108,7 @@ def _ended(world: WorldClient, episodes: range) -> str:
         return {episode.number: f" ({episode.ended})" for episode in world.episodes}
 
     if episodes:
-        world.link.spin_until(lambda: episodes[-1] in outcomes(), OUTCOME_SECONDS)
+        world.link.spin_until(lambda: episodes[-1] in outcomes(), PROMPT_S)
     return ", ".join(f"{number}{outcomes().get(number, '')}" for number in episodes)
 
 

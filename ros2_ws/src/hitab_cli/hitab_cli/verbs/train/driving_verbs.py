@@ -13,20 +13,12 @@ from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, completion, console
 from hitab_client.cli_options import SwarmName
 from hitab_core import Fix, HitabError, natural
+from hitab_ros.timing import AT_ONCE_S, PROMPT_S, REPEAT_S
 
 if TYPE_CHECKING:
     from rich.text import Text
 
     from hitab_client.demonstrating import Demonstrator
-
-READ_S = 0.03
-"""Period of reading keys and updating the view, s."""
-
-AGENT_RETRY_S = 2.0
-"""Time before a silent agent is asked again, s."""
-
-DELIVER_S = 1.0
-"""Timeout, at the end, for the robots to receive an emergency stop, s."""
 
 FirstAgent = Annotated[
     str,
@@ -75,15 +67,11 @@ def _drive(swarm_up: Connection, agent: str, speed: float, turn: float) -> None:
 
     from hitab_cli.views.driving_view import lines
     from hitab_cli.views.terminal_keys import END, TerminalKeys
-    from hitab_client import SignsOfLife
     from hitab_client.demonstrating import KeyboardInput
 
     demonstrator = demonstrator_of(swarm_up, agent, asks=True)
     keyboard = KeyboardInput(demonstrator, speed, turn)
-    agents = swarm_up.agents
-    signs = SignsOfLife(
-        swarm_up.link, agents.expected, prefix=agents.prefix, identity=agents.identity
-    )
+    signs = swarm_up.agents.signs_of_life()
     ended = help_wanted = False
     before: list[Text] = []
     with (
@@ -148,17 +136,17 @@ def carry_out(
     """
     from hitab_ros import steady_timer
 
-    steady_timer(swarm_up.link.node, READ_S, tick)
+    steady_timer(swarm_up.link.node, AT_ONCE_S, tick)
     look_at = 0.0
     try:
         while not ended():
-            swarm_up.link.spin(READ_S)
+            swarm_up.link.spin(AT_ONCE_S)
             demonstrator.work()
             if time.monotonic() >= look_at:
                 try:
                     demonstrator.look()
                 except HitabError as error:
                     demonstrator.tell(str(error), failed=True)
-                    look_at = time.monotonic() + AGENT_RETRY_S
+                    look_at = time.monotonic() + REPEAT_S
     finally:
-        demonstrator.close(DELIVER_S)
+        demonstrator.close(PROMPT_S)

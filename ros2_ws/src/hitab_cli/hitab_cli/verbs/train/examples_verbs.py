@@ -19,9 +19,6 @@ from hitab_core.codec import plain_values, to_dict
 if TYPE_CHECKING:
     from hitab_core.assistant import TrainingCost
 
-MINUTES_FROM_S = 120.0
-"""Time from which times are shown in minutes, s."""
-
 COUNT_FIELDS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
 
@@ -129,7 +126,7 @@ def _show_costs(costs: list[TrainingCost], json: str | None) -> None:
 
 def _duration(seconds: float) -> str:
     """Return a time in seconds or minutes."""
-    return f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.1f} min"
+    return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60:.1f} min"
 
 
 def _shown(value: float, unit: str, kind: str) -> str:
