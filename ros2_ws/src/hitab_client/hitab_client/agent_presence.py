@@ -17,8 +17,6 @@ from hitab_ros import SignsOfLife, check_same_message_version, names, qos
 from hitab_ros.call import blocking
 from hitab_ros.timing import DISCOVERY_EACH_S, DISCOVERY_S, LOOK_EACH_S, POLL_S, SETTLE_S
 
-"""The name by which `swarm_client` has it."""
-
 WATCHED_MAX = 100
 """Maximum number of agents that are all watched; in a larger swarm, only the requested ones."""
 

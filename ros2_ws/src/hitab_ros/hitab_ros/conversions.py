@@ -93,7 +93,8 @@ def request_of(operation: Operation) -> Any:
 
 def fill_in(response: Any, outcome: Outcome) -> None:
     """Write an outcome into the reply to a request, as far as the reply has its fields."""
-    for name, write in _shared(type(response), type(outcome)):
+    kinds: Any = (type(response), type(outcome))
+    for name, write in _shared(*kinds):
         setattr(response, name, write(getattr(outcome, name)))
 
 
