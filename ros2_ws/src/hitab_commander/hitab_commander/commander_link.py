@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from hitab_msgs import msg
 
-from hitab_agent import HEARTBEAT_S, AgentNode, RoundGate
+from hitab_agent import AgentNode, RoundGate
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
@@ -17,7 +17,7 @@ from hitab_core.orders import Order, Report
 from hitab_ros import ListenedTime, names, qos
 from hitab_ros.conversions import order_message
 from hitab_ros.stamps import time_of
-from hitab_ros.timing import POLL_S
+from hitab_ros.timing import HEARTBEAT_S, POLL_S
 
 EPISODES_KNOWN = 8
 """How many past episodes are remembered, so that a late report does not seem to begin one."""

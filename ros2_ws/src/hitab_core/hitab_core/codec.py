@@ -8,8 +8,12 @@ from __future__ import annotations
 
 import functools
 import math
+<<<<<<< HEAD
 from array import array
 from collections.abc import Callable, Iterable, Mapping, Sequence
+=======
+from collections.abc import Callable, Collection, Iterable, Sequence
+>>>>>>> codec
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from operator import attrgetter
@@ -63,11 +67,12 @@ def plain_values(values: Iterable[float]) -> list[float | None]:
     return [value if value == value else None for value in values]
 
 
-def values_of(plain: Iterable[float | None]) -> tuple[float, ...]:
+def values_of(plain: Collection[Any]) -> tuple[float, ...]:
     """Return the values that `plain_values` represents."""
-    if isinstance(plain, array):  # of a message
-        return tuple(plain)
-    return tuple([math.nan if value is None else float(value) for value in plain])
+    try:
+        return tuple(map(float, plain))
+    except TypeError:  # one is missing
+        return tuple([math.nan if value is None else float(value) for value in plain])
 
 
 @functools.cache

@@ -6,6 +6,7 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
+from operator import attrgetter
 from typing import Any
 
 from diagnostic_msgs.msg import KeyValue
@@ -36,23 +37,24 @@ def message_of(kind: Any, data: Any, /, **others: Any) -> Any:
         data: a dataclass, which may contain others where the message contains messages.
         others: values of further fields of the message.
     """
-    shared = {
-        name: write(getattr(data, name))
-        for name, write in _shared(kind, data.__class__)
-        if name not in others
-    }
-    return kind(**shared, **others)
+    names, read, writers = _shared(kind, data.__class__)
+    found = dict(zip(names, read(data), strict=True)) | others
+    for name, write in writers.items():
+        if name not in others:
+            found[name] = write(found[name])
+    return kind(**found)
 
 
 @functools.cache
-def _shared(kind: Any, data: Any) -> list[tuple[str, Callable[[Any], Any]]]:
-    """Return the fields that a message and a dataclass share, and functions that write them."""
-    there = {field.name for field in fields(data)}
+def _shared(kind: Any, data: Any) -> tuple[list[str], Callable[[Any], Any], dict[str, Any]]:
+    """Return the shared fields, a function that reads them, and functions that convert some."""
     types = kind.get_fields_and_field_types()
-    return [(name, _writer(types[name])) for name in types if name in there]
+    names = [field.name for field in fields(data) if field.name in types]
+    writers = {name: write for name in names if (write := _writer(types[name])) is not None}
+    return names, attrgetter(*names), writers
 
 
-def _writer(of_type: str) -> Callable[[Any], Any]:
+def _writer(of_type: str) -> Callable[[Any], Any] | None:
     inner = of_type.removeprefix("sequence<").removesuffix(">")
     package, _, name = inner.rpartition("/")
     if name == "KeyValue":
@@ -64,7 +66,7 @@ def _writer(of_type: str) -> Callable[[Any], Any]:
     elif inner == "string":
         write = str  # of a term or an enumeration as well
     else:
-        return lambda value: value
+        return None
     return write if inner == of_type else lambda values: list(map(write, values))
 
 
