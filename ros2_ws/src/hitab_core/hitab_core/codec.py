@@ -8,12 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
-<<<<<<< HEAD
-from array import array
-from collections.abc import Callable, Iterable, Mapping, Sequence
-=======
-from collections.abc import Callable, Collection, Iterable, Sequence
->>>>>>> codec
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from operator import attrgetter
