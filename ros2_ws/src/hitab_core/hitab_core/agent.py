@@ -211,7 +211,12 @@ class Agent(AgentLibrary):
         if done is not None:
             return done
         with self.journal.recording(operation):
-            outcome = operation.apply(self)
+            try:
+                outcome = operation.apply(self)
+            except Exception as error:
+                if self.journal.recorded:
+                    self.outcomes.keep(operation.id, Outcome(f"recorded, but then: {error}"))
+                raise
         self.outcomes.keep(operation.id, outcome)
         return outcome
 
