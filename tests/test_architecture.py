@@ -30,12 +30,13 @@ CORE_FLOORS = (
     ("advice",),
     ("running",),
     ("drawing", "library"),
+    ("operation",),
     ("training",),
     ("assistant", "mode", "saving"),
     ("training_session",),
     ("agent_library",),
     ("agent",),
-    ("labeling", "learning_agent", "orders", "plain"),
+    ("labeling", "learning_agent", "operations", "orders", "plain"),
 )
 
 OPTIONAL = (SOURCES.parents[1] / "requirements/optional.txt").read_text().split()
@@ -51,7 +52,7 @@ BUDGET = {
     "hitab_cli": 2950,
     "hitab_client": 4200,
     "hitab_commander": 1050,
-    "hitab_core": 9350,
+    "hitab_core": 9700,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,

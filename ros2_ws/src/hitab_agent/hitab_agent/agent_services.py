@@ -26,6 +26,7 @@ from hitab_core import (
     quantity,
 )
 from hitab_core.assistant import training_costs
+from hitab_core.operation import Operation
 from hitab_ros import names, qos
 from hitab_ros.answering import refuse
 from hitab_ros.checks import BadMessage, check
@@ -71,7 +72,7 @@ class AgentServices:
         node.create_service(srv.GetReport, names.GET_REPORT, self._get_report)
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
-    def _serve(self, kind: type[operations.Operation], request: Any, response: Any) -> Any:
+    def _serve(self, kind: type[Operation], request: Any, response: Any) -> Any:
         """Carry out the operation of a request; the reply has the status after it."""
         try:
             fill_in(response, self._node.do(operation_of(kind, request)))

@@ -14,7 +14,8 @@ from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
 from hitab_core import Domain
-from hitab_core.operations import Command, Operation
+from hitab_core.operation import Operation
+from hitab_core.operations import Command
 from hitab_ros import names, qos
 from hitab_ros.conversions import request_of
 from hitab_ros.guarded_node import GuardedNode

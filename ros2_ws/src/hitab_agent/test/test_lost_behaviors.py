@@ -14,7 +14,8 @@ from hitab_agent.host_resources import HostResources
 from hitab_agent.restart_memory import RestartMemory
 from hitab_core import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.operations import Distribute, LoadLibrary, Operation, Perform
+from hitab_core.operation import Operation
+from hitab_core.operations import Distribute, LoadLibrary, Perform
 from hitab_core.term import Term
 from hitab_core.training import Curriculum
 

@@ -12,7 +12,8 @@ from hitab_client.demonstrating import Demonstrator, KeyboardInput
 from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, RELAY_TIMEOUT_S
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import BoundedNumber
-from hitab_core.operations import Command, Operation, Perform, TakeOver, Test, Undo
+from hitab_core.operation import Operation
+from hitab_core.operations import Command, Perform, TakeOver, Test, Undo
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.call import Caller, blocking
 from hitab_ros.conversions import number_messages
@@ -188,7 +189,9 @@ def test_a_command_counts_for_what_was_seen_when_the_key_was_pressed(desk):
     desk.now += 0.5  # until an agent has answered
     desk.world.state = WorldState(cycle=80)
     desk.demonstrator.work()
-    assert desk.agents.done[-1] == (ONE, Command("Forward", seen=70, pace=2.0)), "two simulated seconds in one of the person"
+    assert desk.agents.done[-1] == (ONE, Command("Forward", seen=70, pace=2.0)), (
+        "two simulated seconds in one of the person"
+    )
     desk.world.status.mode = "paused"
     desk.press("1")
     waited = Command("Forward", exact=True)

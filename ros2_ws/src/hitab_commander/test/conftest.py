@@ -17,7 +17,8 @@ from rclpy.parameter import Parameter
 from hitab_agent.agent_node import AgentNode
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
-from hitab_core.operations import BeginTraining, Command, Operation, Perform
+from hitab_core.operation import Operation
+from hitab_core.operations import BeginTraining, Command, Perform
 from hitab_ros import names, qos
 from hitab_ros.conversions import request_of
 from hitab_ros.testing import context_of_its_own

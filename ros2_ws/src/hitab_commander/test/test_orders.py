@@ -277,9 +277,7 @@ def forge(team, **fields):
     """Order something in the chief's name."""
     publisher = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
     team.until(lambda: publisher.get_subscription_count() > 0)
-    publisher.publish(
-        msg.Order(commander="chief", order="Forged", behaviors=TO_ALL, **fields)
-    )
+    publisher.publish(msg.Order(commander="chief", order="Forged", behaviors=TO_ALL, **fields))
     return publisher
 
 

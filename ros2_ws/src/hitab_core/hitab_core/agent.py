@@ -22,7 +22,7 @@ from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
-from hitab_core.operations import Operation, Outcome
+from hitab_core.operation import Operation, Outcome
 from hitab_core.remedies import Fix
 from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe

@@ -25,7 +25,7 @@ from hitab_core import (
     Term,
 )
 from hitab_core.assistant import TrainingCost
-from hitab_core.operations import Operation, Outcome
+from hitab_core.operation import Operation, Outcome
 from hitab_core.orders import Order, Report
 
 Data = TypeVar("Data")

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hitab_core import operations
+from hitab_core import operation
 from hitab_core.errors import HitabError
 from hitab_ros.answering import answering
 
@@ -33,7 +33,7 @@ def test_a_service_does_a_request_of_an_id_once_and_may_do_one_that_it_refused(m
         assert ask(answer, "wrong", "b") == "did wrong, 4"
     # A plain `ros2 service call` has no id.
     assert [ask(answer, "step") for _ in range(2)] == ["did step, 5", "did step, 6"]
-    monkeypatch.setattr(operations, "OUTCOMES_MAX", 3)
+    monkeypatch.setattr(operation, "OUTCOMES_MAX", 3)
     for id in "cdef":
         ask(answer, "step", id)
     assert ask(answer, "step", "a") == "did step, 11", "the memory is bounded"

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_record
+from hitab_core.operation import Operation
 from hitab_core.term import Term
 from hitab_core.training.agent_database import MOVE_AWAY, OLDER, AgentDatabase
 from hitab_core.training.curriculum import Curriculum
 
 if TYPE_CHECKING:
     import sqlite3
-
-    from hitab_core.operations import Operation
 
 RESUMED = "resume"
 """Journal entry for the moment at which another process resumes a training."""
