@@ -93,7 +93,7 @@ def test_a_callback_that_fails_is_a_fault_until_it_succeeds(one, commands):
 
 def test_the_status_shows_what_became_of_a_command_on_the_topic(one, commands):
     one.do(BeginTraining("A", ["X"]))
-    refused = {"Dance": 'unknown behavior "Dance"', "Go\0": "has control characters"}
+    refused = {"Dance": 'unknown behavior "Dance"', "Go\x1b": "has control characters"}
     one.perceive(1.0)
     for behavior, why in refused.items():
         commands.publish(msg.Command(behavior=behavior))
