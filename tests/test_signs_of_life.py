@@ -10,13 +10,12 @@ from pathlib import Path
 
 import pytest
 from hitab_msgs.msg import Alive
-from hitab_msgs.srv import ReadFeatures
 from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.signs_of_life import SignsOfLife
-from hitab_ros import names, qos
+from hitab_ros import qos
 
 SECONDS = 30.0
 SWARM = """\
@@ -85,9 +84,7 @@ def test_a_restarted_agent_perceives_a_paused_world(swarm):
     assert swarm.link.spin_until(lambda: agent in swarm.agents.statuses, 2 * SECONDS), before
 
     def perceives() -> bool:
-        answer = swarm.agents.ask(
-            agent, ReadFeatures, names.READ_FEATURES, also=["DistanceTo(ball)"]
-        )
+        answer = swarm.agents.read_features(agent, ["DistanceTo(ball)"])
         return not math.isnan(answer.readings[-1].value)
 
     assert swarm.link.spin_until(perceives, SECONDS), "it has perceived nothing"
