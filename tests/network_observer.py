@@ -45,7 +45,7 @@ def start(spinning: Spinner) -> None:
         for line in lines[len(done) :]:
             commander, behavior = line.split()
             if commander not in clients:
-                service = f"/{commander}/{names.PERFORM}"
+                service = f"/{commander}/perform"
                 clients[commander] = node.create_client(srv.Perform, service)
             if not clients[commander].service_is_ready():
                 return

@@ -17,7 +17,6 @@ from typing import Any
 import warm_hitab
 from geometry_msgs.msg import Twist
 from hitab_msgs.msg import AgentStatus, TransitionEvent
-from hitab_msgs.srv import ReadFeatures
 from mentions import ROOT
 from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
@@ -100,7 +99,7 @@ class Desk:
         """Wait until the agent has heard the sensor that a feature is read from."""
 
         def value() -> float:
-            answer = self.agents.ask(ROBOT, ReadFeatures, "read_features", also=[feature])
+            answer = self.agents.read_features(ROBOT, [feature])
             return next(r.value for r in answer.readings if r.feature == feature)
 
         self.until(lambda: not math.isnan(value()))

@@ -32,12 +32,13 @@ CORE_FLOORS = (
     ("advice",),
     ("running",),
     ("drawing", "library"),
+    ("operation",),
     ("training",),
     ("assistant", "mode", "saving"),
     ("training_session",),
     ("agent_library",),
     ("agent",),
-    ("labeling", "learning_agent", "orders", "plain"),
+    ("labeling", "learning_agent", "operations", "orders", "plain"),
 )
 
 OPTIONAL = (SOURCES.parents[1] / "requirements/optional.txt").read_text().split()
@@ -53,7 +54,7 @@ BUDGET = {
     "hitab_cli": 2950,
     "hitab_client": 4200,
     "hitab_commander": 1050,
-    "hitab_core": 9350,
+    "hitab_core": 9700,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
@@ -62,7 +63,7 @@ BUDGET = {
     "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29350,
+    "tests": 29500,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -9,6 +9,7 @@ from hitab_core import Fix
 from hitab_core.operations import (
     BeginTraining,
     Command,
+    Distribute,
     LoadLibrary,
     Perform,
     SaveBehavior,
@@ -41,7 +42,6 @@ def test_a_wrong_command_is_refused_in_the_status(training):
         assert expected in str(error.value)
         status = training.agents.statuses[AGENT]
         assert expected in status.last_error
-        assert status.last_refused_sequence > status.last_command_sequence
         assert status.training.examples == 2
 
 
@@ -57,20 +57,12 @@ BEGINNINGS = [
 ]
 
 
-def told(training, expected):
-    """Wait until the agent's status says so."""
-    statuses = training.agents.statuses
-    return training.link.spin_until(lambda: expected in statuses[AGENT].last_error, 5)
-
-
 def test_a_wrong_training_is_refused_in_the_reply_and_the_status(training):
     for fields, expected in BEGINNINGS:
-        automaton = fields.get("automaton")
-        rest = {k: v for k, v in fields.items() if k != "automaton"}
         with pytest.raises(SwarmError) as error:
-            training.agents.begin(AGENT, automaton, **{"discard": True, **rest})
+            training.agents.do(AGENT, BeginTraining(**{"discard": True, **fields}))
         assert expected in str(error.value)
-        assert told(training, expected)
+        assert expected in training.agents.statuses[AGENT].last_error
         assert len(training.agents.training(AGENT).examples) == 2
 
 
@@ -89,8 +81,6 @@ def test_commands_in_the_wrong_mode_are_refused(training):
         agents.do("keeper_2", SaveBehavior())
     with pytest.raises(SwarmError, match="is not training anything"):
         agents.do("keeper_2", Test())
-    with pytest.raises(SwarmError, match='unknown mode "resting"'):
-        agents.set_mode(AGENT, "resting")
 
 
 def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
@@ -108,7 +98,7 @@ def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
     with pytest.raises(SwarmError, match='unknown behavior "Dance"'):
         agents.do("keeper_2", Perform("Dance"))
     with pytest.raises(SwarmError, match='"Dance"'):
-        agents.distribute("keeper_2", "Dance")
+        agents.distribute("keeper_2", Distribute("Dance"))
     assert agents.statuses["keeper_2"].mode == "idle"
 
 
@@ -130,7 +120,7 @@ def test_the_world_refuses_what_cannot_be(training):
 
 def test_nothing_was_lost_by_all_that(training):
     assert len(training.agents.training(AGENT).examples) == 2
-    assert training.agents.do(AGENT, Command("Stop")).examples == 4
+    assert training.agents.do(AGENT, Command("Stop")).status.training.examples == 4
 
 
 def test_clients_take_no_other_swarms_robots_for_their_own(training):

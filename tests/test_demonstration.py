@@ -10,6 +10,7 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.operations import (
     BeginTraining,
     Command,
+    Distribute,
     RetimeExamples,
     SaveBehavior,
     TakeOver,
@@ -48,9 +49,9 @@ def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun)
     put(begun, 8.0)
     agents.do(ONE, Command("GoFast"))
     state = world.step(20)
-    agents.command(ONE, "Stop", ago=0.5, seen=state.cycle)
-    listed = agents.training(ONE)
-    late = {e.number: e for e in listed.examples}
+    taught = agents.do(ONE, Command("Stop", seen=state.cycle - 5, pace=1.0, exact=True))
+    assert list(taught.examples) == [3, 4]
+    late = {e.number: e for e in agents.training(ONE).examples}
     assert late[3].cycle == state.cycle - 5
     assert late[3].ago == pytest.approx(0.5)
     agents.do(ONE, RetimeExamples([3], 1.0))
@@ -59,8 +60,8 @@ def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun)
     assert later.done[-1] == "example 3 due 1 s before its command"
     with pytest.raises(SwarmError, match=r"is too long ago: .*; give a number from 0 to"):
         agents.do(ONE, RetimeExamples([3], 20.0))
-    with pytest.raises(SwarmError, match="cannot have been due -1 s ago"):
-        agents.command(ONE, "Stop", ago=-1.0)
+    with pytest.raises(SwarmError, match="cannot have been due 1 s after it was given; give"):
+        agents.do(ONE, RetimeExamples([3], -1.0))
 
 
 def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
@@ -82,7 +83,7 @@ def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
     saved = agents.do(ONE, SaveBehavior(description="stop near the ball"))
     library = BehaviorLibrary(saved.path.rsplit("/", 1)[0], load_domain("keepaway"))
     assert len(library.load()["Near"].examples) == 6
-    report = agents.distribute(ONE, "Near", start=True)
+    report = agents.distribute(ONE, Distribute("Near", start=True))
     assert (report.accepted, report.refused, report.silent) == ([TWO, THREE], {}, [])
     for agent in (TWO, THREE):
         assert begun.link.spin_until(lambda a=agent: agents.statuses[a].behavior == "Near", 5)

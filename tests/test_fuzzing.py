@@ -188,8 +188,8 @@ def behaviors(running: RunningSwarm, kind: str) -> set[str]:
 def doing(running: RunningSwarm) -> str:
     """Return what each agent and commander does, and why, for the message of a failure."""
     return "\n".join(
-        f"{name}: {s.mode} {s.behavior!r}, ordered {s.ordered!r}{' waits' * s.order_waits}, "
-        f"cycle {s.cycle}, {s.last_error} {list(s.faults)}"
+        f"{name}: {s.mode} {s.behavior!r}, {s.order.behavior!r} waits {s.order.waits}, cycle "
+        f"{s.cycle}, {s.last_error} {list(s.faults)}"
         for name, s in running.agents.statuses.items()
     )
 

@@ -234,4 +234,4 @@ def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(h
             desk.agents.do(ROBOT, Command("Forward"))
         desk.agents.do(ROBOT, BeginTraining("Wander", features=["Bumped"]))
         desk.await_value("Bumped")
-        assert desk.agents.do(ROBOT, Command("Stop")).examples == 2
+        assert desk.agents.do(ROBOT, Command("Stop")).status.training.examples == 2

@@ -70,8 +70,8 @@ def test_each_agent_is_a_node_with_topics_and_services_of_its_own(swarm: Running
     # They are made when the first client asks.
     assert "/forager_60/perform" not in services()
     swarm.agents.do("forager_60", Perform("Forward"))
-    assert "/forager_60/save" in services()
-    assert "/forager_59/save" not in services()
+    assert "/forager_60/save_behavior" in services()
+    assert "/forager_59/save_behavior" not in services()
     assert swarm.link.spin_until(lambda: "Forward" in performed(swarm), SECONDS)
     assert "RotateLeft" in [b.name for b in swarm.agents.vocabulary("forager_60").behaviors]
     with pytest.raises(SwarmError, match="unknown behavior"):
@@ -82,7 +82,7 @@ def test_one_hosted_agent_is_trained_while_the_others_go_on(swarm: RunningSwarm)
     swarm.agents.do("root", Perform("RotateLeft"))
     assert swarm.link.spin_until(lambda: performed(swarm) == {"RotateLeft"}, SECONDS)
     swarm.agents.do("forager_7", BeginTraining("Stroll", features=["HoldsABox"]))
-    assert swarm.agents.do("forager_7", Command("Forward")).examples == 2
+    assert swarm.agents.do("forager_7", Command("Forward")).status.training.examples == 2
     swarm.agents.do("forager_7", Test(restart=True))
     assert swarm.link.spin_until(
         lambda: list(swarm.agents.statuses["forager_7"].active_path) == ["Forward"], SECONDS

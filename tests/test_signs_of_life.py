@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 from hitab_msgs.msg import Alive
-from hitab_msgs.srv import ReadFeatures
 from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
@@ -90,9 +89,7 @@ def test_a_restarted_agent_perceives_a_paused_world(swarm):
     assert swarm.link.spin_until(lambda: agent in swarm.agents.statuses, 2 * SECONDS), before
 
     def perceives() -> bool:
-        answer = swarm.agents.ask(
-            agent, ReadFeatures, names.READ_FEATURES, also=["DistanceTo(ball)"]
-        )
+        answer = swarm.agents.read_features(agent, ["DistanceTo(ball)"])
         return not math.isnan(answer.readings[-1].value)
 
     assert swarm.link.spin_until(perceives, SECONDS), "it has perceived nothing"

@@ -11,7 +11,7 @@ from hitab_agent.guarded_tick import Action
 from hitab_agent.robot_link import RobotStop
 from hitab_agent.settings import AgentParameters
 from hitab_core import Agent
-from hitab_core.operations import Operation, Outcome
+from hitab_core.operation import Operation, Outcome
 from hitab_ros import GuardedNode
 from hitab_ros.diagnostics import Diagnosis, Level
 

@@ -39,7 +39,8 @@ from hitab_core import (
     quantity,
     uses_actions,
 )
-from hitab_core.operations import Command, Operation, Outcome
+from hitab_core.operation import Operation, Outcome
+from hitab_core.operations import Command
 from hitab_core.orders import Subordinate
 from hitab_ros import names
 from hitab_ros.conversions import term_of

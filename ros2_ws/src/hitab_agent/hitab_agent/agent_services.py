@@ -6,6 +6,7 @@ function, `AgentBase.do`, which also publishes what became of it.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -17,6 +18,7 @@ from hitab_core import (
     OWN_FEATURES,
     BasicBehavior,
     Fix,
+    HitabError,
     Term,
     TrainingError,
     has,
@@ -25,9 +27,10 @@ from hitab_core import (
 )
 from hitab_core.assistant import training_costs
 from hitab_core.codec import from_dict
+from hitab_core.operation import Operation
 from hitab_ros import names, qos
 from hitab_ros.answering import refuse
-from hitab_ros.checks import check
+from hitab_ros.checks import BadMessage, check
 from hitab_ros.conversions import (
     cost_message,
     feature_message,
@@ -50,11 +53,11 @@ class CommandTopic:
     def _on_command(self, command: msg.Command) -> None:
         try:
             check(command)
-            operation = from_dict(operations.Command, command)
-        except Exception as error:
+        except BadMessage as error:
             self._node.answered(error)
             return
-        self._node.guard.run("a command", self._node.do, operation)
+        with suppress(HitabError):  # a refusal, which the status shows
+            self._node.do(from_dict(operations.Command, command))
 
 
 class AgentServices:
@@ -69,12 +72,12 @@ class AgentServices:
         node.create_service(srv.GetReport, names.GET_REPORT, self._get_report)
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
-    def _serve(self, kind: type[operations.Operation], request: Any, response: Any) -> Any:
+    def _serve(self, kind: type[Operation], request: Any, response: Any) -> Any:
         """Carry out the operation of a request; the reply has the status after it."""
         try:
             fill_in(response, self._node.do(from_dict(kind, request)))
             response.success = True
-        except Exception as error:
+        except HitabError as error:
             refuse(response, error)
         response.status = self._node.status.message
         return response

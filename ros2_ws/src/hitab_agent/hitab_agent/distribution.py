@@ -15,8 +15,9 @@ from hitab_msgs import msg
 from hitab_agent.agent_base import AgentBase
 from hitab_agent.bundle_install import BundleInstall
 from hitab_agent.scheduler import JobQueue
-from hitab_core import Term, operations
+from hitab_core import Term
 from hitab_core.library import Bundle
+from hitab_core.operation import Shipment
 from hitab_ros import GuardedNode, names, qos
 
 
@@ -68,7 +69,7 @@ class Distributions:
             )
         )
 
-    def send(self, source: str, shipment: operations.Shipment) -> int:
+    def send(self, source: str, shipment: Shipment) -> int:
         """Send a behavior of an agent to others, and return the number of the distribution."""
         bundle, term = shipment.bundle, shipment.term
         # The time of day makes the number unique in the swarm, whichever agents distribute. A

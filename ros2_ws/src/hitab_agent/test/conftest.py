@@ -7,14 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hitab_msgs import msg
+from hitab_msgs import msg, srv
 from rclpy.clock import Clock, ClockType
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
 from hitab_core import Domain
+from hitab_core.operation import Operation
+from hitab_core.operations import Command
 from hitab_ros import names, qos
+from hitab_ros.conversions import request_of
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, spin_until
 
@@ -94,7 +97,6 @@ class One:
         desk, self._cycle = process.node, 0
         desk.create_subscription(msg.AgentStatus, self._of(names.STATUS), self._hear, qos.LATCHED)
         self._percepts = desk.create_publisher(msg.Percept, self._of(names.PERCEPT), qos.CYCLE)
-        self.commands = desk.create_publisher(msg.Command, self._of(names.COMMAND), qos.EVENTS)
         self.node.join()
         process.until(lambda: self.status.agent)
 
@@ -102,7 +104,8 @@ class One:
         return f"/{self.name}/{name}"
 
     def _hear(self, status: msg.AgentStatus) -> None:
-        self.status = status
+        if status.sequence >= self.status.sequence:
+            self.status = status
 
     @property
     def faults(self) -> str:
@@ -117,26 +120,25 @@ class One:
         self.process.until(lambda: self.agent.cycle == self._cycle)
         return self.agent.active_path
 
-    def command(self, behavior: str, demonstrator: str = "me") -> None:
-        """Command it, and wait for the acknowledgement."""
-        self.process.until(self.commands.get_subscription_count)
-        self._cycle += 1
-        number = self._cycle
-        self.commands.publish(
-            msg.Command(sequence=number, behavior=behavior, demonstrator=demonstrator)
-        )
-        self.process.until(
-            lambda: (
-                number in (self.status.last_command_sequence, self.status.last_refused_sequence)
-            )
-        )
+    def command(self, behavior: str, by: str = "me") -> Any:
+        return self.do(Command(behavior, by=by))
+
+    def do(self, operation: Operation) -> Any:
+        """Have it carry an operation out, and return the answer of its service."""
+        kind = getattr(srv, type(operation).__name__)
+        return self._call(kind, operation.name, request_of(operation))
 
     def ask(self, kind: Any, service: str, **fields: Any) -> Any:
+        return self._call(kind, service, kind.Request(**fields))
+
+    def _call(self, kind: Any, service: str, request: Any) -> Any:
         client = self.process.node.create_client(kind, self._of(service))
         self.process.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
+        future = client.call_async(request)
         self.process.until(future.done)
-        return future.result()
+        answer = future.result()
+        self._hear(getattr(answer, "status", self.status))
+        return answer
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from bodies import Body
-from hitab_msgs import msg, srv
+from hitab_msgs import msg
 
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host_resources import HostResources
@@ -22,6 +22,7 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle
 from hitab_core.library.durable_files import locked
 from hitab_core.mode import Mode
+from hitab_core.operations import Distribute
 from hitab_core.term import Term
 from hitab_core.training import Curriculum
 from hitab_ros import names, qos
@@ -183,7 +184,7 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
     for node in host.nodes:
         publish = node.status._publisher.publish
         node.status._publisher.publish = lambda s, publish=publish: (
-            statuses.append((s.agent, s.distribution, s.library_digest)),
+            statuses.append((s.agent, s.library_digest)),
             publish(s),
         )
     acknowledge = host.shared.distributions._acknowledgements
@@ -195,7 +196,7 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
         # As a process would that is started now.
         if BehaviorLibrary(agent.library.folder, DOMAIN).texts() != dict(low.files):
             wrong.append(f"{ack.agent}: not in its library")
-        if (agent.name, ack.sequence, agent.loaded.digest) not in statuses:
+        if (agent.name, agent.loaded.digest) not in statuses:
             wrong.append(f"{ack.agent}: not in its status")
         real(ack)
 
@@ -391,7 +392,7 @@ def test_distributions_are_told_apart_while_simulated_time_stands_still(start):
     one.perceive()
     one.agent.command(Term("Left"))
     one.agent.save()
-    sent = [one.ask(srv.Distribute, names.DISTRIBUTE, behavior="Low") for _ in range(2)]
+    sent = [one.do(Distribute("Low")) for _ in range(2)]
     assert 0 < sent[0].sequence < sent[1].sequence
 
 

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-import math
-from types import SimpleNamespace
-
 import pytest
 from bodies import UnseeingBody
 from hitab_msgs import msg, srv
 
-from hitab_agent import command_receiver
+from hitab_agent import status_publisher
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_ros import names
+from hitab_core.operations import BeginTraining, Command, Perform, Redo, Undo
+from hitab_ros import names, qos
 
 
 def read(body):
     return body.values[0]
 
 
+def fall(body):
+    raise RuntimeError("fallen over")
+
+
 DOMAIN = Domain.of(
     "bodies",
     "1",
     UnseeingBody,
-    behaviors=[BasicBehavior("Go"), BasicBehavior("Wait")],
+    behaviors=[BasicBehavior("Go"), BasicBehavior("Wait"), BasicBehavior("Fall", start=fall)],
     features=[Feature("X", read)],
 )
 
@@ -41,7 +43,7 @@ def test_features_that_are_read_before_the_first_percept_have_no_value(one):
 
 
 def test_an_agent_that_does_nothing_says_so_until_it_acts_whatever_is_commanded(one):
-    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    one.do(BeginTraining("A", ["X"]))
     one.perceive(1.0)
     one.body.act = lambda: 1 / 0
     one.perceive(1.0)
@@ -62,51 +64,75 @@ def test_an_agent_that_does_nothing_says_so_until_it_acts_whatever_is_commanded(
 
 
 def test_what_is_not_performed_any_more_is_no_fault_any_more(one):
-    one.ask(srv.Perform, names.PERFORM, behavior="Go")
+    one.do(Perform("Go"))
     one.body.act = lambda: 1 / 0
     one.perceive(1.0)
     one.process.until(lambda: one.status.faults)
-    one.ask(srv.SetMode, names.SET_MODE, mode="idle")
+    one.do(Perform())
     one.process.until(lambda: not one.status.faults)
 
 
-def test_a_callback_that_fails_is_a_fault_until_it_succeeds(one):
+@pytest.fixture
+def commands(one):
+    """Return the topic for commands that need no answer."""
+    topic = one.process.node.create_publisher(msg.Command, f"/one/{names.COMMAND}", qos.EVENTS)
+    one.process.until(topic.get_subscription_count)
+    return topic
+
+
+def test_a_callback_that_fails_is_a_fault_until_it_succeeds(one, commands):
     status = one.node.status
     report, status.report_error = status.report_error, lambda text: 1 / 0
-    one.command("Go")
+    commands.publish(msg.Command(behavior="Go"))
     one.process.until(lambda: one.status.faults)
     assert "topic command failed: ZeroDivisionError" in one.status.faults[0]
     status.report_error = report
-    one.command("Go")
+    commands.publish(msg.Command(behavior="Go"))
     one.process.until(lambda: not one.status.faults)
 
 
-def test_a_command_before_the_first_percept_is_obeyed_once_it_is_sent_again(one):
-    """An agent restarted in a paused world was commanded before it was shown the world again."""
-    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
-    command = msg.Command(sequence=7, behavior="Go", demonstrator="me")
+def test_the_status_shows_what_became_of_a_command_on_the_topic(one, commands):
+    one.do(BeginTraining("A", ["X"]))
+    refused = {"Dance": 'unknown behavior "Dance"', "Go\x1b": "has control characters"}
+    one.perceive(1.0)
+    for behavior, why in refused.items():
+        commands.publish(msg.Command(behavior=behavior))
+        one.process.until(lambda why=why: why in one.status.last_error)
+        assert not one.status.faults, "the mistake is the sender's"
     for _ in range(2):
-        one.commands.publish(command)
-    assert one.ask(srv.ReadFeatures, names.READ_FEATURES, also=["X"]).success
-    assert one.status.last_command_sequence == one.status.last_refused_sequence == 0
+        commands.publish(msg.Command(behavior="Go", id="once", by="me"))
+    one.process.until(lambda: one.status.training.examples)
+    assert not one.status.last_error
+    assert one.command("Wait").status.training.examples == 4
+
+
+def test_a_command_before_the_first_percept_is_refused_and_obeyed_when_it_is_sent_again(one):
+    """An agent restarted in a paused world is commanded before it is shown the world again."""
+    one.do(BeginTraining("A", ["X"]))
+    command = Command("Go", id="7", by="me")
+    for _ in range(2):
+        refused = one.do(command)
+        assert (refused.success, refused.status.perceived) == (False, False)
+        assert "nothing perceived yet" in refused.message
     one.perceive(1.0)
     for _ in range(2):
-        one.commands.publish(command)
-    one.process.until(lambda: one.status.last_command_sequence == 7)
-    assert one.ask(srv.ReadFeatures, names.READ_FEATURES, also=["X"]).success
-    assert one.agent.session.examples[-1].next_state == "Go"
-    assert len(one.agent.session.examples) == 2
+        answer = one.do(command)
+        assert answer.success
+        assert (list(answer.examples), answer.left) == ([1, 2], "Start")
+        assert answer.status.training.examples == 2
 
 
-def test_who_never_perceives_anything_refuses_a_command_in_the_end(one, monkeypatch):
-    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
-    monkeypatch.setattr(command_receiver, "time", SimpleNamespace(monotonic=lambda: math.inf))
-    one.command("Go")
-    assert "nothing perceived yet" in one.status.last_error
+def test_what_was_recorded_is_not_recorded_again_though_its_behavior_could_not_be_begun(one):
+    one.do(BeginTraining("A", ["X"]))
+    one.perceive(1.0)
+    command = Command("Fall", id="8")
+    for _ in range(2):
+        assert "fallen over" in one.do(command).message
+        assert len(one.agent.session.examples) == 2
 
 
 def test_demonstrators_who_command_at_the_same_time_are_told_of_each_other(one, monkeypatch):
-    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    one.do(BeginTraining("A", ["X"]))
     one.perceive(1.0)
     one.command("Go", "Bert")
     assert one.status.note == ""
@@ -115,17 +141,15 @@ def test_demonstrators_who_command_at_the_same_time_are_told_of_each_other(one, 
     assert one.status.note == together
     one.command("Go", "Bert")
     assert one.status.note == together
-    monkeypatch.setattr(command_receiver, "TOGETHER_S", 0.0)
+    monkeypatch.setattr(status_publisher, "TOGETHER_S", 0.0)
     one.command("Wait", "Anna")
     assert one.status.note == "", "Bert has left"
 
 
 def test_undo_and_redo_say_what_is_undone_and_redone(one):
-    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    one.do(BeginTraining("A", ["X"]))
     one.perceive(1.0)
     one.command("Go")
-    edits = srv.EditExamples.Request
-    undone = one.ask(srv.EditExamples, names.EDIT_EXAMPLES, action=edits.UNDO)
+    undone, redone = one.do(Undo()), one.do(Redo())
     assert undone.message == 'undone: Start → Go, 2 examples; "A" has 0 examples'
-    redone = one.ask(srv.EditExamples, names.EDIT_EXAMPLES, action=edits.REDO)
     assert redone.message == 'redone: Start → Go, 2 examples; "A" has 2 examples'

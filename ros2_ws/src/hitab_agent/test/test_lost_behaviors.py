@@ -7,16 +7,17 @@ from typing import Any
 
 import pytest
 from bodies import Body
-from hitab_msgs import msg, srv
+from hitab_msgs import msg
 
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host_resources import HostResources
 from hitab_agent.restart_memory import RestartMemory
 from hitab_core import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.operation import Operation
+from hitab_core.operations import Distribute, LoadLibrary, Perform
 from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_ros import names
 
 DOMAIN = Domain.of(
     "walkers",
@@ -43,8 +44,8 @@ class Walkers:
     def status(self, name: str) -> msg.AgentStatus:
         return self.agents[name].status
 
-    def ask(self, name: str, kind: Any, service: str, **fields: Any) -> Any:
-        return self.agents[name].ask(kind, service, **fields)
+    def do(self, name: str, operation: Operation) -> Any:
+        return self.agents[name].do(operation)
 
     def library(self, name: str) -> BehaviorLibrary:
         return BehaviorLibrary(self.folder / name / "library", DOMAIN)
@@ -90,11 +91,11 @@ def test_it_is_up_idles_says_why_and_begins_once_the_behavior_is_back(walkers: W
     assert status.last_error == began
     # Nor does another restart make it forget what it performed.
     assert RestartMemory(walkers.folder / "one", "s").performed == "Stroll"
-    answer = walkers.ask("one", srv.Perform, names.PERFORM, behavior="Stroll")
+    answer = walkers.do("one", Perform("Stroll"))
     assert not answer.success
     assert answer.message.startswith("Stroll needs Walk: its file ")
     walkers.library("one").restore("Walk", 1)
-    answer = walkers.ask("one", srv.LoadLibrary, names.LOAD_LIBRARY)
+    answer = walkers.do("one", LoadLibrary())
     assert answer.success
     assert sorted(answer.behaviors) == ["Stroll", "Walk"]
     walkers.process.until(lambda: walkers.status("one").behavior == "Stroll")
@@ -106,12 +107,11 @@ def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Wal
     give(walkers, "one")
     walkers.damage("one", "Walk")
     walkers.start("one", behavior="Stroll")
-    refused = walkers.ask("one", srv.Distribute, names.DISTRIBUTE, behavior="Stroll")
+    refused = walkers.do("one", Distribute("Stroll"))
     assert not refused.success
     assert refused.message.startswith("Stroll needs Walk: its file ")
-    sent = walkers.ask("teacher", srv.Distribute, names.DISTRIBUTE, behavior="Walk")
+    sent = walkers.do("teacher", Distribute("Walk"))
     assert sent.success
-    walkers.process.until(lambda: walkers.status("one").distribution == sent.sequence)
     walkers.process.until(lambda: walkers.status("one").behavior == "Stroll")
     assert walkers.status("one").faults == []
     assert sorted(walkers.library("one").load()) == ["Stroll", "Walk"]

@@ -8,12 +8,14 @@ from typing import Any
 import pytest
 from action_msgs.msg import GoalStatus
 from bodies import Body
-from hitab_msgs import msg, srv
+from hitab_msgs import msg
 from hitab_msgs.action import Perform
 from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 
 from hitab_core import START, Automaton, BasicBehavior, Domain, Feature, HandWritten, Target, Term
-from hitab_ros import GuardedNode, names, qos
+from hitab_core.operations import BeginTraining
+from hitab_ros import GuardedNode, qos
+from hitab_ros.conversions import pairs_message
 
 _choose = HandWritten(
     lambda x: "Done" if x == 1.0 else "Failed" if x == 2.0 else "Wait" if x < 0.0 else "Go", (0,)
@@ -150,7 +152,7 @@ def test_a_goal_that_cannot_be_performed_is_aborted_with_the_reason(one, goal, w
 
 def test_a_training_that_begins_replaces_the_goal_and_has_others_refused(one):
     _, result = one.ask("Go")
-    one.one.ask(srv.BeginTraining, names.BEGIN, automaton="New", features=["X"])
+    one.one.do(BeginTraining("New", ["X"]))
     replaced = (GoalStatus.STATUS_ABORTED, "replaced", 'one is training "New"')
     assert one.come_of(result) == replaced
     status, outcome, message = one.come_of(one.ask("Walk")[1])
@@ -165,8 +167,7 @@ def order_of(behavior: str, sequence: int) -> msg.Order:
         epoch=1,
         sequence=sequence,
         order=behavior,
-        receivers=[""],
-        behaviors=[behavior],
+        behaviors=pairs_message([("", behavior)]),
     )
 
 

@@ -12,6 +12,7 @@ from hitab_agent.agent_node import AgentNode
 from hitab_core import BasicBehavior, Domain, Feature, HitabError, Term
 from hitab_core.training import Curriculum
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names, qos
+from hitab_ros.conversions import pairs_message
 
 
 class Ahead(Body):
@@ -105,6 +106,7 @@ def test_what_is_commanded_before_it_is_re_armed_is_refused_with_the_way_out(rob
     one.command("Go")
     assert one.status.last_error.startswith("waits to be armed: it has just started")
     assert [(r.code, r.arguments[0].value) for r in one.status.remedies] == [("ARM", "one")]
+    assert (one.status.armed, one.status.stopped != "") == (False, True)
     assert one.agent.session.examples == ()
     one.command("Stop")
     assert one.agent.active_path == ["Stop"], "that it can do"
@@ -149,8 +151,9 @@ def test_an_order_that_comes_late_with_a_stop_moves_nothing_until_the_robot_is_r
     assert robot.drives()
 
     def order(number: int, behavior: str) -> None:
-        fields = {"receivers": [""], "behaviors": [behavior], "epoch": 1, "sequence": number}
-        orders.publish(msg.Order(commander="chief", order=behavior, **fields))
+        meant = pairs_message([("", behavior)])
+        numbered = {"epoch": 1, "sequence": number}
+        orders.publish(msg.Order(commander="chief", order=behavior, behaviors=meant, **numbered))
 
     def stop() -> None:
         robot.switch.set(True, "ann", "a dog")

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 from bodies import Body
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from hitab_msgs import srv
 from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 from rclpy.logging import LoggingSeverity
@@ -27,7 +26,7 @@ from hitab_core import (
     Term,
     TransitionTree,
 )
-from hitab_ros import names
+from hitab_core.operations import Perform
 from hitab_ros.diagnostics import STATUSES_MAX, Diagnosis, Level, shown
 
 
@@ -82,7 +81,7 @@ def one(start: Any) -> Shown:
 def test_the_diagnosis_of_an_agent_has_the_worst_of_what_is_wrong(one):
     one.shows(Level.STALE, "nothing perceived yet")
     assert (one.diagnosis.name, one.diagnosis.hardware_id) == ("hitab: one", "/one")
-    one.ask(srv.Perform, names.PERFORM, behavior="Choose")
+    one.one.do(Perform("Choose"))
     one.tick(1.0)
     one.shows(Level.OK, 'performing "Choose"')
     values = {value.key: value.value for value in one.diagnosis.values}
@@ -108,7 +107,7 @@ def test_the_parameters_of_an_agent_can_be_read_but_not_changed(one):
 
 def test_changes_of_state_are_logged_while_somebody_listens(one):
     logged: list[Log] = []
-    one.ask(srv.Perform, names.PERFORM, behavior="Choose")
+    one.one.do(Perform("Choose"))
     one.tick(1.0)
     listener = one.process.node.create_subscription(
         Log, "/rosout", logged.append, qos_profile_sensor_data, temporary=True

@@ -13,6 +13,7 @@ from hitab_agent.training_topic import TrainingTopic
 from hitab_core import Agent, BehaviorLibrary, Term, plain_domain
 from hitab_core.training import Curriculum
 from hitab_ros import names, qos
+from hitab_ros.conversions import pairs_of
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position", "Speed"])
 

@@ -17,9 +17,9 @@ from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_client.users import user_name
 from hitab_core import Fix
-from hitab_core.operations import Command, Distribute, LoadLibrary, Operation
-from hitab_ros import names, qos
-from hitab_ros.busy_timeout import BusyTimeout
+from hitab_core.operation import Operation
+from hitab_core.operations import Command, Distribute, LoadLibrary
+from hitab_ros import BusyTimeout, names, qos
 from hitab_ros.call import Turns, blocking
 from hitab_ros.conversions import cost_of, request_of
 from hitab_ros.timing import ANSWER_S, DISCOVERY_S

@@ -4,18 +4,16 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, Behavior, WorldState, WorldStatus
+from hitab_msgs.msg import AgentStatus, Behavior, TrainingStatus, WorldState, WorldStatus
 from sensor_msgs.msg import Joy
 
 from hitab_client import SwarmError
-from hitab_client.demonstrating import (
-    Demonstrator,
-    KeyboardInput,
-    outcome,
-)
-from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX
+from hitab_client.demonstrating import Demonstrator, KeyboardInput
+from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, RELAY_TIMEOUT_S
 from hitab_client.demonstrating.keyboard import HOLD_S
-from hitab_core import BoundedNumber, Term
+from hitab_core import BoundedNumber
+from hitab_core.operation import Operation
+from hitab_core.operations import Command, Perform, TakeOver, Test, Undo
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.call import Caller, blocking
 from hitab_ros.conversions import number_messages
@@ -112,26 +110,26 @@ class Agents:
         )
 
     @blocking
-    async def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:
-        term = str(Term(behavior, tuple(arguments))) if behavior else ""
-        self.done.append(("perform", agent, term))
-        self.become(agent, "performing" if term else "idle", *([term] if term else []))
-
-    @blocking
-    async def set_mode(self, agent: str, mode: str) -> Any:
-        self.done.append((mode, agent))
-        self.become(agent, mode, "Start")
-        return SimpleNamespace(message=f"{agent} is {mode}")
-
-    @blocking
-    async def command(self, agent: str, behavior: str, **fields: Any) -> AgentStatus:
-        self.done.append(("command", agent, behavior, fields["pace"], fields["seen"]))
-        self.become(agent, "training", behavior)
-        return self.statuses[agent]
+    async def do(self, agent: str, operation: Operation, **options: Any) -> Any:
+        self.done.append((agent, operation))
+        match operation:
+            case Perform(behavior=behavior):
+                self.become(agent, "performing" if behavior else "idle", *filter(None, [behavior]))
+            case Command(behavior=behavior):
+                self.become(agent, "training", behavior)
+            case TakeOver():
+                self.become(agent, "training", "Start")
+            case Test():
+                self.become(agent, "testing", "Start")
+        return SimpleNamespace(message=f"{agent} did {operation.name}")
 
     def become(self, agent: str, mode: str, *path: str) -> None:
         self.statuses[agent] = AgentStatus(
-            agent=agent, mode=mode, active_path=path, behavior="Wander", training="Wander"
+            agent=agent,
+            mode=mode,
+            active_path=path,
+            behavior="Wander",
+            training=TrainingStatus(automaton="Wander"),
         )
 
 
@@ -180,10 +178,10 @@ def desk(tmp_path: Any, monkeypatch: Any) -> Desk:
 
 def test_a_behavior_is_commanded_in_training_and_performed_otherwise(desk):
     assert "learns from commands only in training" in desk.press("1")
-    assert desk.agents.done == [("perform", ONE, "Forward")]
+    assert desk.agents.done == [(ONE, Perform("Forward"))]
     desk.agents.become(ONE, "testing", "Forward")
-    assert desk.press("1").startswith(f"{ONE} performs Forward; Wander has")
-    assert desk.agents.done[1:] == [("training", ONE), ("command", ONE, "Forward", 1.0, 0)]
+    assert desk.press("1") == f"{ONE} did command"
+    assert desk.agents.done[1:] == [(ONE, TakeOver()), (ONE, Command("Forward", pace=1.0))]
 
 
 def test_a_command_counts_for_what_was_seen_when_the_key_was_pressed(desk):
@@ -194,10 +192,13 @@ def test_a_command_counts_for_what_was_seen_when_the_key_was_pressed(desk):
     desk.now += 0.5  # until an agent has answered
     desk.world.state = WorldState(cycle=80)
     desk.demonstrator.work()
-    assert desk.agents.done[-1][3:] == (2.0, 70), "two simulated seconds in one of the person"
+    assert desk.agents.done[-1] == (ONE, Command("Forward", seen=70, pace=2.0)), (
+        "two simulated seconds in one of the person"
+    )
     desk.world.status.mode = "paused"
-    assert "Forward" in desk.press("1")
-    assert desk.agents.done[-1][3:] == (0.0, 0), "the situation has waited for the person"
+    desk.press("1")
+    waited = Command("Forward", exact=True)
+    assert desk.agents.done[-1] == (ONE, waited), "the situation has waited for the person"
 
 
 def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
@@ -214,15 +215,14 @@ def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
 
 def test_undo_does_not_take_back_another_command_than_the_one_that_was_left_out(desk):
     desk.agents.become(ONE, "training", "Start")
-    desk.agents.undo = lambda agent: desk.agents.done.append("undo") or SimpleNamespace(message="")
     desk.demonstrator.press_behavior("Forward")
     desk.now += KEY_AGE_MAX_S + 0.1  # while an agent has not answered
     for key in "uu":
         desk.keyboard.press(key)
     desk.demonstrator.work()
-    assert desk.agents.done == ["undo"], "one is for the command before"
+    assert desk.agents.done == [(ONE, Undo())], "one is for the command before"
     assert desk.press("1", "u")
-    assert desk.agents.done[1:] == [("command", ONE, "Forward", 1.0, 0), "undo"]
+    assert desk.agents.done[1:] == [(ONE, Command("Forward", pace=1.0)), (ONE, Undo())]
 
 
 def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):
@@ -230,7 +230,7 @@ def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):
     desk.demonstrator.press("next")
     desk.demonstrator.press_behavior("Forward")
     desk.demonstrator.work()
-    assert [agent for _, agent, _ in desk.agents.done] == [ONE, TWO]
+    assert [agent for agent, _ in desk.agents.done] == [ONE, TWO]
     desk.press("]")
     assert desk.demonstrator.agent == ONE
 
@@ -239,13 +239,13 @@ def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
     desk.press("2")
     assert desk.demonstrator.prompt.targets == ("goal", "home")
     desk.press("2")
-    assert desk.agents.done == [("perform", ONE, "GoTo(home)")]
+    assert desk.agents.done == [(ONE, Perform("GoTo(home)"))]
     desk.press("2", "x")
     assert desk.demonstrator.prompt is None
     assert len(desk.agents.done) == 1
     desk.agents.become(ONE, "training", "Start")
     desk.press("2", "3")
-    assert desk.agents.done[-1][2] == "GoTo(B)", "a parameter of the training"
+    assert desk.agents.done[-1][1].behavior == "GoTo(B)", "a parameter of the training"
 
 
 def test_a_target_may_be_pressed_before_an_agent_has_answered(desk):
@@ -253,7 +253,7 @@ def test_a_target_may_be_pressed_before_an_agent_has_answered(desk):
     for key in "121":
         desk.keyboard.press(key)
     desk.demonstrator.work()
-    assert desk.agents.done == [("perform", ONE, "Forward"), ("perform", ONE, "GoTo(goal)")]
+    assert desk.agents.done == [(ONE, Perform("Forward")), (ONE, Perform("GoTo(goal)"))]
 
 
 def test_numbers_are_typed_after_the_target(desk):
@@ -263,7 +263,7 @@ def test_numbers_are_typed_after_the_target(desk):
     assert "direction of" in desk.press(*"400", "\n")
     assert desk.demonstrator.failed
     desk.press(*"-49", "\x7f", "0", "\n", *"3.5", "\r")
-    assert desk.agents.done[-1][2] == "Kick(goal, direction=-40, power=3.5)"
+    assert desk.agents.done[-1][1].behavior == "Kick(goal, direction=-40, power=3.5)"
     assert desk.demonstrator.prompt is None
     desk.press("3", "1", "4", "\x1b")
     assert desk.demonstrator.prompt is None
@@ -305,7 +305,7 @@ def test_a_stick_gives_the_numbers_when_the_button_is_let_go(gamepad):
     assert not desk.agents.done
     assert desk.driven == (0.0, 0.0, 0.0), "the sticks give numbers meanwhile"
     gamepad.push(0.9, 0.9, 0.5, held=True)
-    assert desk.agents.done[-1][2] == "Kick(goal, direction=45, power=25)"
+    assert desk.agents.done[-1][1].behavior == "Kick(goal, direction=45, power=25)"
 
 
 def test_a_stick_that_points_nowhere_or_is_lost_commands_nothing(gamepad):
@@ -323,10 +323,10 @@ def test_a_stick_that_points_nowhere_or_is_lost_commands_nothing(gamepad):
 
 
 def test_an_error_is_said_and_the_next_key_counts(desk, monkeypatch):
-    async def refuse(*arguments: Any) -> None:
+    async def refuse(*arguments: Any, **options: Any) -> None:
         raise SwarmError("no")
 
-    monkeypatch.setattr(desk.agents, "perform", SimpleNamespace(coroutine=refuse))
+    monkeypatch.setattr(desk.agents, "do", SimpleNamespace(coroutine=refuse))
     assert desk.press("1") == "no"
     assert desk.demonstrator.failed
     monkeypatch.undo()
@@ -357,7 +357,7 @@ def test_an_agent_that_acts_is_halted_before_its_robot_is_driven_and_its_trainin
     assert desk.driven == (0.0, 0.0, 0.0)
     desk.demonstrator.work()
     desk.ring()
-    assert desk.agents.done == [("perform", ONE, ""), ("training", ONE)]
+    assert desk.agents.done == [(ONE, Perform()), (ONE, TakeOver())]
     assert desk.driven == (0.2, 0.0, 0.0)
 
 
@@ -373,10 +373,10 @@ def test_what_begins_to_act_ends_the_driving_until_the_person_lets_go(desk):
     assert deflected() == (0.0, 0.0, 0.0)
     desk.now += 0.4
     assert deflected() == (0.0, 0.0, 0.0), "the stick is still held"
-    assert desk.agents.done == [("perform", ONE, "Forward")]
+    assert desk.agents.done == [(ONE, Perform("Forward"))]
     desk.demonstrator.steer((0.0, 0.0, 0.0), 0.0)
     assert deflected() == (0.3, 0.0, 0.0)
-    assert desk.agents.done[1:] == [("perform", ONE, "")]
+    assert desk.agents.done[1:] == [(ONE, Perform())]
     assert deflected() == (0.3, 0.0, 0.0)
     desk.agents.become(ONE, "performing", "Forward")  # by another demonstrator
     assert deflected() == (0.0, 0.0, 0.0)
@@ -422,13 +422,4 @@ def test_an_arrow_that_is_pressed_twice_before_the_agent_answers_leaves_it_in_tr
     desk.now += 0.6  # the first press has ended
     desk.keyboard.press("up")
     desk.demonstrator.work()
-    assert desk.agents.done == [("perform", ONE, ""), ("training", ONE)]
-
-
-def test_a_command_says_which_transition_it_records():
-    status = AgentStatus(behavior="Wander", examples=5, active_path=["Start"], left="Forward")
-    text = outcome(ONE, "Done", status)
-    assert text == f"{ONE}: Forward -> Done; Wander has 5 examples (0 default)"
-    status.active_path, status.left = ["Forward", "Start"], ""  # it could not be recorded
-    text = outcome(ONE, "Forward", status)
-    assert text == f"{ONE} performs Forward; Wander has 5 examples (0 default)"
+    assert desk.agents.done == [(ONE, Perform()), (ONE, TakeOver())]

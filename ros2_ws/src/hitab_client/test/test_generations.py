@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hitab_msgs.msg import Value
 
 from hitab_client.bootstrapping import Bootstrapping, Generation, _keep, read_generations
 from hitab_client.errors import LessonError, SwarmError
@@ -56,8 +57,11 @@ def test_a_condition_is_given_as_in_a_lesson():
 @dataclass
 class Episode:
     seconds: float
-    measure_names: list[str] = field(default_factory=lambda: ["passes"])
-    measures: list[float] = field(default_factory=lambda: [2.0])
+    passes: float = 2.0
+
+    @property
+    def measures(self) -> list[Value]:
+        return [Value(name="passes", value=self.passes)]
 
 
 def test_a_score_is_a_mean_with_its_standard_error():
@@ -66,16 +70,16 @@ def test_a_score_is_a_mean_with_its_standard_error():
     score = score_of(three, 3)
     assert str(score) == "3.00 ± 1.53 seconds, 2.00 ± 0.00 passes; 3 episodes, seed 3"
 
-    one: Any = [Episode(1.5, measures=[float("nan")])]
+    one: Any = [Episode(1.5, float("nan"))]
     assert str(score_of(one, 1)) == "1.50 seconds; 1 episode, seed 1"
     assert str(Score()) == "no score"
 
 
 class Swarm:
-    """A swarm client that keeps the arguments of `begin`."""
+    """A swarm client that keeps the operation."""
 
-    def begin(self, agent: str, automaton: str, **fields: Any) -> None:
-        self.begun = fields
+    def do(self, agent: str, operation: Any) -> None:
+        self.done = operation
 
 
 @pytest.mark.parametrize("chosen", [(), ("Stop", "Go")])
@@ -85,4 +89,4 @@ def test_the_choice_of_states_is_kept_though_all_of_them_were_commanded(chosen, 
     training = Learned("Ride", states, (), {}, examples=examples, chosen_states=chosen)
     swarm: Any = Swarm()
     Bootstrapping(swarm, None, tmp_path)._train("ann", training, (), 1)
-    assert swarm.begun["states"] == list(chosen)
+    assert swarm.done.states == chosen

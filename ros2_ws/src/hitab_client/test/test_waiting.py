@@ -6,14 +6,15 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, Command
-from hitab_msgs.srv import BeginTraining, EditExamples, Perform, SaveBehavior, SetMode
+from hitab_msgs import srv
+from hitab_msgs.msg import AgentStatus
 
+from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
-from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior, Test, Undo
+from hitab_core.operations import Command, Perform, Test
 from hitab_ros.busy_timeout import BUSY_FACTOR
-from hitab_ros.call import Caller, blocking
+from hitab_ros.call import Caller, blocking, refused
 
 
 class Late(RosLink):
@@ -60,102 +61,91 @@ def test_its_own_work_counts():
     assert looks(Late(0.0), 0.4, work=0.05) <= 5
 
 
-class Keeper(Caller):
-    """A link to a swarm whose keeper has missed a cycle of a stepped world, and comes back."""
+class Link(Caller):
+    """A link to an agent of a stepped world, with the requests and statuses on their way.
 
-    def __init__(self) -> None:
-        self.world = SimpleNamespace(is_paused=True, missing=["keeper"])
-        self.missed: list[list[str]] = []
-        self.node = SimpleNamespace(create_publisher=lambda *_: self)
+    Attributes:
+        missing: agents that the world waits for, until something waits for them.
+        sent: the requests, each with the missing agents of that time.
+        answers: answers to come; an exception is raised.
+    """
 
-    def subscribe(self, *arguments: Any) -> None:
-        pass
+    def __init__(self, *answers: Any) -> None:
+        self.missing: list[str] = []
+        self.sent: list[tuple[Any, list[str]]] = []
+        self.answers = list(answers)
+        self.perceives: Callable[[], None] = lambda: None
 
-    def get_subscription_count(self) -> int:
-        return 1
+    def subscribe(self, kind: type, topic: str, hear: Callable[[Any], None], *_: Any) -> None:
+        if kind is AgentStatus:
+            self.hear = hear
 
-    def publish(self, command: Command) -> None:
-        self.missed.append(list(self.world.missing))
-        self.status.last_command_sequence = command.sequence
+    @blocking
+    async def call(self, kind: type, service: str, request: Any, **given: Any) -> Any:
+        self.sent.append((request, list(self.missing)))
+        answer = self.answers.pop(0)
+        given["heard"](answer)
+        if not answer.success:
+            raise refused(answer)
+        return answer
 
     async def until(self, done: Callable[[], Any], *_: Any, **more: Any) -> bool:
         if not done():
-            self.world.missing.clear()
+            self.missing.clear()
+            self.perceives()
         return bool(done())
+
+
+def status_of(sequence: int, process: int = 7, **fields: Any) -> AgentStatus:
+    return AgentStatus(agent="keeper", process=process, sequence=sequence, **fields)
+
+
+def client(link: Any) -> SwarmClient:
+    """Return a client that has heard one status of its keeper."""
+    swarm = SwarmClient(link, ["keeper"])
+    link.hear(status_of(5, perceived=True))
+    return swarm
 
 
 def test_an_agent_that_is_late_in_a_stepped_world_is_commanded_once_it_is_back():
-    link: Any = Keeper()
-    swarm = SwarmClient(link, ["keeper"])
-    link.status = swarm.statuses["keeper"] = AgentStatus(agent="keeper")
-    swarm.do("keeper", Command("GoFast"), world=link.world)
-    assert link.missed == [[]]
+    link = Link(srv.Command.Response(success=True))
+    link.missing.append("keeper")
+    world: Any = SimpleNamespace(is_paused=True, missing=link.missing)
+    client(link).do("keeper", Command("GoFast", by="ann"), world=world)
+    assert [(request.by, missing) for request, missing in link.sent] == [("ann", [])]
 
 
-class Slow(Caller):
-    """A link to an agent whose statuses come seconds after its answers."""
-
-    def __init__(self, answer: Any, *statuses: AgentStatus, seconds: float = 3.0) -> None:
-        self.answer = answer
-        self.on_the_way = list(statuses)
-        self._seconds = seconds
-
-    def subscribe(self, *arguments: Any) -> None:
-        pass
-
-    @blocking
-    async def call(self, *_: Any, **__: Any) -> Any:
-        return self.answer
-
-    async def until(self, done: Callable[[], Any], seconds: float, *_: Any, **more: Any) -> bool:
-        while not done() and seconds >= self._seconds and self.on_the_way:
-            self.swarm.statuses["keeper"] = self.on_the_way.pop(0)
-        return bool(done())
+def test_a_command_is_sent_again_to_an_agent_that_had_perceived_nothing_but_is_refused_once():
+    blind = srv.Command.Response(message="nothing perceived yet", status=status_of(6))
+    link = Link(blind, srv.Command.Response(success=True, message="done"))
+    link.perceives = lambda: link.hear(status_of(7, perceived=True))
+    swarm = client(link)
+    assert swarm.do("keeper", Command("GoFast")).message == "done"
+    assert [request.behavior for request, _ in link.sent] == ["GoFast"] * 2
+    link.answers = [srv.Command.Response(message="no", status=status_of(8, perceived=True))]
+    with pytest.raises(SwarmError, match="no"):
+        swarm.do("keeper", Command("GoFast"))
 
 
-def of(mode: str, training: str, revision: int) -> AgentStatus:
-    return AgentStatus(agent="keeper", mode=mode, training=training, training_revision=revision)
+def test_the_status_in_an_answer_is_not_replaced_by_an_older_one_from_the_topic():
+    """The topic and the service are two connections, so that their messages may be reordered."""
+    link = Link(srv.Test.Response(success=True, status=status_of(9, mode="testing")))
+    swarm = client(link)
+    assert swarm.do("keeper", Test()).success
+    for older in (status_of(8, mode="training"), status_of(6, mode="idle")):
+        link.hear(older)
+        assert swarm.statuses["keeper"].mode == "testing"
+    link.hear(status_of(10, mode="training"))
+    assert swarm.statuses["keeper"].mode == "training"
+    # An agent that was restarted counts from the beginning.
+    link.hear(status_of(1, process=3, mode="idle"))
+    assert swarm.statuses["keeper"].mode == "idle"
 
 
-@pytest.mark.parametrize(
-    ("ask", "answer", "before", "after"),
-    [
-        (
-            lambda swarm: swarm.do("keeper", BeginTraining("Chase")),
-            BeginTraining.Response(success=True, revision=7),
-            of("idle", "", 0),
-            of("training", "Chase", 7),
-        ),
-        (
-            lambda swarm: swarm.do("keeper", Test()),
-            SetMode.Response(success=True, revision=8),
-            of("training", "Chase", 7),
-            of("testing", "Chase", 8),
-        ),
-        (
-            lambda swarm: swarm.do("keeper", Undo()),
-            EditExamples.Response(success=True, revision=9),
-            of("training", "Chase", 8),
-            of("training", "Chase", 9),
-        ),
-        (
-            lambda swarm: swarm.do("keeper", Perform()),
-            Perform.Response(success=True),
-            of("testing", "Chase", 9),
-            of("idle", "Chase", 10),
-        ),
-        (
-            lambda swarm: swarm.do("keeper", SaveBehavior()),
-            SaveBehavior.Response(success=True),
-            of("testing", "Chase", 9),
-            of("performing", "", 0),
-        ),
-    ],
-    ids=["begin", "test", "undo", "perform", "save"],
-)
-def test_who_has_an_answer_knows_the_agent_as_it_is_since_then(ask, answer, before, after):
-    link: Any = Slow(answer, before, after)
-    link.swarm = swarm = SwarmClient(link, ["keeper"])
-    swarm.statuses["keeper"] = before
-    ask(swarm)
-    assert swarm.statuses["keeper"] == after
+def test_the_status_in_a_refusal_counts_too():
+    changed = status_of(9, mode="performing", last_error="no")
+    link = Link(srv.Perform.Response(message="no", status=changed))
+    swarm = client(link)
+    with pytest.raises(SwarmError, match="no"):
+        swarm.do("keeper", Perform("Dance"))
+    assert swarm.statuses["keeper"] == changed

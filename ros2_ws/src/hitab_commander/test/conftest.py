@@ -17,7 +17,10 @@ from rclpy.parameter import Parameter
 from hitab_agent.agent_node import AgentNode
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
+from hitab_core.operation import Operation
+from hitab_core.operations import BeginTraining, Command, Perform
 from hitab_ros import give_signs_of_life, names, qos
+from hitab_ros.conversions import request_of
 from hitab_ros.testing import context_of_its_own
 
 SECONDS = 60.0
@@ -87,7 +90,6 @@ class Team:
         self.groups: dict[str, msg.CommanderStatus] = defaultdict(msg.CommanderStatus)
         self.orders: dict[str, list[msg.Order]] = {}
         self._percepts: dict[str, Any] = {}
-        self._commands: dict[str, Any] = {}
         self._cycle = 0
 
     # -- nodes ------------------------------------------------------------------------------
@@ -199,38 +201,30 @@ class Team:
         )
         self.until(lambda: self.nodes[name].agent.cycle >= self._cycle)
 
-    def command(self, name: str, behavior: str, *targets: str) -> None:
-        """Command as a demonstrator does, and wait for the acknowledgement."""
-        if name not in self._commands:
-            self._commands[name] = self.link.create_publisher(
-                msg.Command, f"/{name}/{names.COMMAND}", qos.EVENTS
-            )
-        publisher = self._commands[name]
-        self.until(lambda: publisher.get_subscription_count() > 0)
-        self._cycle += 1
-        number = self._cycle
-        publisher.publish(
-            msg.Command(
-                sequence=number, demonstrator="me", behavior=behavior, targets=list(targets)
-            )
-        )
-        status = self.statuses
-        self.until(
-            lambda: (
-                number in (status[name].last_command_sequence, status[name].last_refused_sequence)
-            )
-        )
+    def command(self, name: str, behavior: str) -> Any:
+        return self.do(name, Command(behavior, by="me"))
+
+    def perform(self, name: str, behavior: str) -> Any:
+        return self.do(name, Perform(behavior))
+
+    def train(self, name: str, automaton: str, *features: str) -> Any:
+        return self.do(name, BeginTraining(automaton, features))
+
+    def do(self, name: str, operation: Operation) -> Any:
+        """Have an agent carry out an operation, and return the answer of its service."""
+        kind = getattr(srv, type(operation).__name__)
+        return self._call(kind, f"/{name}/{operation.name}", request_of(operation))
 
     def ask(self, kind: Any, name: str, service: str, **fields: Any) -> Any:
-        client = self.link.create_client(kind, f"/{name}/{service}")
+        return self._call(kind, f"/{name}/{service}", kind.Request(**fields))
+
+    def _call(self, kind: Any, service: str, request: Any) -> Any:
+        client = self.link.create_client(kind, service)
         self.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
+        future = client.call_async(request)
         self.until(future.done)
         self.link.destroy_client(client)
         return future.result()
-
-    def perform(self, name: str, behavior: str) -> Any:
-        return self.ask(srv.Perform, name, names.PERFORM, behavior=behavior)
 
     def sees(self, name: str, feature: str) -> float:
         """Return the value of a feature as an agent or commander perceives it now."""

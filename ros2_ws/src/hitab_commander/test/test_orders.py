@@ -4,11 +4,13 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
-from hitab_msgs import msg, srv
+from hitab_msgs import msg
 
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.errors import HitabError
+from hitab_core.operations import LoadLibrary, SaveBehavior
 from hitab_ros import give_signs_of_life, names, qos
+from hitab_ros.conversions import pairs_message
 
 SQUAD = """\
 commander: Squad
@@ -20,6 +22,7 @@ features:
   AllHome: {all: AtHome}
 """
 ANTS = ["a", "b"]
+TO_ALL = pairs_message([("", "Wait")])
 
 
 def squad(team, **settings):
@@ -63,7 +66,7 @@ def test_an_old_or_repeated_order_changes_nothing(team):
     again = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
     team.until(lambda: again.get_subscription_count() > 1)
     fence = msg.Order(epoch=retreat.epoch, sequence=retreat.sequence + 1, order="Wait")
-    fence.behaviors = pairs_message([("", "Wait")])
+    fence.behaviors = TO_ALL
     for order in (retreat, attack, fence):
         again.publish(order)
         team.executor.spin_once(timeout_sec=0.1)
@@ -108,7 +111,7 @@ def test_the_demonstrator_wins_and_the_order_is_taken_up_afterwards(team):
     squad(team)
     team.ant("a", "chief", "scout")
     team.perceive("a", 0.0, 0.0, 0.0)
-    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
+    team.train("a", "Mine", "X")
     team.command("a", "Wait")
     team.perform("chief", "Attack")
     team.until(lambda: team.statuses["a"].order.waits)
@@ -121,7 +124,7 @@ def test_the_demonstrator_wins_and_the_order_is_taken_up_afterwards(team):
     assert team.begun("a") == ["Wait"]
     team.perform("chief", "Retreat")
     team.until(lambda: team.statuses["a"].order.behavior == "Home")
-    assert team.ask(srv.SaveBehavior, "a", names.SAVE).success
+    assert team.do("a", SaveBehavior()).success
     team.until(lambda: team.performs("a") == "Home")
     team.until(lambda: not team.statuses["a"].order.waits)
     assert team.begun("a") == ["Wait", "Home"]
@@ -196,7 +199,7 @@ def test_that_an_order_does_not_wait_any_more_is_told_though_nothing_else_has_ch
     squad(team)
     team.ant("a", "chief", "scout")
     team.perceive("a", 0.0, 0.0, 0.0)
-    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Search2", features=["X"])
+    team.train("a", "Search2", "X")
     team.perform("chief", "Attack")
     team.until(lambda: team.statuses["a"].order.waits)
     report = team.nodes["a"].superior.subordinate.report()
@@ -212,14 +215,14 @@ def test_an_order_that_waits_tells_why_as_long_as_it_does(team):
     team.commander("chief", kind, ["a"])
     team.ant("a", "chief")
     team.perceive("a", 0.0, 0.0, 0.0)
-    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Mine", features=["X"])
+    team.train("a", "Mine", "X")
     team.perform("chief", "Sing")
     team.until(lambda: team.statuses["a"].order.waits)
     assert team.statuses["a"].last_error == ""
     why = 'cannot obey the order "Sing": unknown behavior "Sing"'
-    team.ask(srv.SetMode, "a", names.SET_MODE, mode="idle")
+    team.perform("a", "")
     team.until(lambda: why in team.statuses["a"].last_error)
-    team.ask(srv.LoadLibrary, "a", names.LOAD_LIBRARY)
+    team.do("a", LoadLibrary())
     team.until(lambda: team.statuses["a"].mode == "idle")
     assert why in team.statuses["a"].last_error
     team.perform("chief", "Retreat")
@@ -274,11 +277,7 @@ def forge(team, **fields):
     """Order something in the chief's name."""
     publisher = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
     team.until(lambda: publisher.get_subscription_count() > 0)
-    publisher.publish(
-        msg.Order(
-            commander="chief", order="Forged", behaviors=pairs_message([("", "Wait")]), **fields
-        )
-    )
+    publisher.publish(msg.Order(commander="chief", order="Forged", behaviors=TO_ALL, **fields))
     return publisher
 
 

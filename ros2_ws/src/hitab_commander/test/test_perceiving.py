@@ -4,6 +4,7 @@ import math
 
 from hitab_msgs import msg, srv
 
+from hitab_core.operations import SaveBehavior
 from hitab_ros import names, qos
 from hitab_ros.diagnostics import Level
 
@@ -57,11 +58,11 @@ def teach_errand(team):
     """Teach ant a the errand: search, and raise Done at home; return its library."""
     team.ant("a", "chief")
     team.perceive("a", 0.0, 0.0, 0.0)
-    team.ask(srv.BeginTraining, "a", names.BEGIN, automaton="Errand", features=["AtHome"])
+    team.train("a", "Errand", "AtHome")
     team.command("a", "Search")
     team.perceive("a", 0.0, 0.0, 1.0)
     team.command("a", "Done")
-    assert team.ask(srv.SaveBehavior, "a", names.SAVE).success
+    assert team.do("a", SaveBehavior()).success
     return str(team.folder / "libraries" / "a")
 
 
@@ -167,9 +168,7 @@ def test_a_commander_is_trained_as_an_agent_is_and_its_flag_reaches_its_own_comm
         team.perceive(name, 0.0, 0.0, 0.0)
     await_value(team, "FractionSilent", 0.0)
 
-    begun = team.ask(
-        srv.BeginTraining, "chief", names.BEGIN, automaton="Mission", features=["AllDone"]
-    )
+    begun = team.train("chief", "Mission", "AllDone")
     assert begun.success
     team.command("chief", "Run")
     team.until(lambda: [team.performs(name) for name in ANTS] == ["Errand", "Errand"])
@@ -184,7 +183,7 @@ def test_a_commander_is_trained_as_an_agent_is_and_its_flag_reaches_its_own_comm
         ("Run", "Run", [0.0]),
         ("Run", "Done", [1.0]),
     ]
-    assert team.ask(srv.SaveBehavior, "chief", names.SAVE).success
+    assert team.do("chief", SaveBehavior()).success
     assert (team.folder / "libraries" / "chief" / "Mission.hfa.yaml").exists()
 
     # From above: the general orders what was learned, and hears when it is over.
@@ -209,7 +208,7 @@ def test_features_of_a_commander_are_features_of_a_subordinate_for_its_own(team)
 
 def test_a_training_goes_on_after_the_commander_was_restarted(team):
     perceiving_crew(team, 1.0, 1.0)
-    team.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
+    team.train("chief", "Plan", "MeanX")
     team.command("chief", "Search")
     team.until(lambda: [team.performs(name) for name in ANTS] == ["Search", "Search"])
     team.end("chief")
@@ -226,7 +225,7 @@ def begin_plan(team):
         team.ant(name, "chief")
         team.perceive(name, 1.0, 0.0, 0.0, episode=3)
     await_value(team, "MeanX", 1.0)
-    team.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
+    team.train("chief", "Plan", "MeanX")
     search(team)
 
 

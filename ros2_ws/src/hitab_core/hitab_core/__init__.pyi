@@ -1,5 +1,6 @@
 from . import arrays as arrays
 from . import codec as codec
+from . import operation as operation
 from . import operations as operations
 from .action_behavior import ActionBehavior as ActionBehavior
 from .action_behavior import ActionCall as ActionCall

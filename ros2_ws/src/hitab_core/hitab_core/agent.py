@@ -22,7 +22,7 @@ from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
-from hitab_core.operations import Operation, Outcome
+from hitab_core.operation import Operation, Outcome
 from hitab_core.remedies import Fix
 from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe
@@ -220,7 +220,12 @@ class Agent(AgentLibrary):
         if done is not None:
             return done
         with self.journal.recording(operation):
-            outcome = operation.apply(self)
+            try:
+                outcome = operation.apply(self)
+            except Exception as error:
+                if self.journal.recorded:
+                    self.outcomes.keep(operation.id, Outcome(f"recorded, but then: {error}"))
+                raise
         self.outcomes.keep(operation.id, outcome)
         return outcome
 

@@ -28,7 +28,7 @@ from hitab_core.library.contents import LostBehaviors
 from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.provenance import Provenance
 from hitab_core.mode import Mode
-from hitab_core.operations import Outcome, Outcomes, Shipment
+from hitab_core.operation import Outcome, Outcomes, Shipment
 from hitab_core.remedies import Fix, Remedy
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.run_context import RunContext, Running

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core import HitabError, Remedy
-from hitab_core.operations import Outcomes
+from hitab_core.operation import Outcomes
 from hitab_ros.plain_text import plain
 
 Serve = Callable[[Any, Any], str]

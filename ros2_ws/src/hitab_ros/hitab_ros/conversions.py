@@ -23,7 +23,7 @@ from hitab_core import (
 )
 from hitab_core.assistant import TrainingCost
 from hitab_core.codec import from_dict
-from hitab_core.operations import Operation, Outcome
+from hitab_core.operation import Operation, Outcome
 from hitab_core.orders import Order
 
 

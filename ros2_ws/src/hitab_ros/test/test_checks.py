@@ -23,7 +23,7 @@ BAD = [
     (msg.HostRoster(host="h", number=FAR), "HostRoster.number"),
     (msg.Command(behavior="x" * 100_000), "Command.behavior has 100000 characters"),
     (msg.Command(targets=["ball", "a\x00b"]), "Command.targets"),
-    (msg.Command(demonstrator="\x1b[31m"), r'"\x1b[31m" has control characters'),
+    (msg.Command(by="\x1b[31m"), r'"\x1b[31m" has control characters'),
     (msg.Order(epoch=2**63), "h ahead of this machine's clock"),
     (msg.Order(report_period=float("inf")), "Order.report_period is infinite"),
     (msg.Reports(reports=[msg.Report(), msg.Report(epoch=FAR)]), "Report.epoch"),
@@ -47,7 +47,7 @@ def test_it_is_refused():
 
 
 GOOD = [
-    msg.Command(behavior="GoTo(ball)", demonstrator="Zoë O'Hara"),
+    msg.Command(behavior="GoTo(ball)", by="Zoë O'Hara"),
     msg.HostRoster(host="host_1a2b", number=time.time_ns(), agents=["ant_1"] * 10_000),
     msg.Order(epoch=time.time_ns()),
     msg.Report(values=[float("nan"), float("inf")], position=[float("inf"), 0.0]),
@@ -81,7 +81,8 @@ def test_a_status_with_any_text_made_plain_passes(text):
     name = plain(text, 200, lines=False)
     assert len(quoted) <= 1000
     assert len(name) <= 200
-    check(msg.AgentStatus(demonstrator=name, last_error=quoted, faults=[quoted], note=quoted))
+    training = msg.TrainingStatus(demonstrator=name)
+    check(msg.AgentStatus(training=training, last_error=quoted, faults=[quoted], note=quoted))
 
 
 def test_a_short_printable_text_stays_as_it_is_and_others_can_be_read():

@@ -2,7 +2,7 @@
 
 import pytest
 from hitab_msgs.msg import AgentStatus
-from hitab_msgs.srv import SetMode
+from hitab_msgs.srv import Undo
 
 from hitab_core import HitabError
 from hitab_ros import definitions, qos
@@ -43,12 +43,12 @@ def test_a_node_that_defines_a_message_differently_is_named(two, monkeypatch):
 @pytest.mark.parametrize("part", ["Request", "Response"])
 def test_a_node_that_defines_a_service_differently_is_named(two, monkeypatch, part):
     first, second = two
-    first.create_service(SetMode, "lone/set_mode", lambda request, response: response)
-    wait_until(lambda: "/lone/set_mode" in dict(second.get_service_names_and_types()))
+    first.create_service(Undo, "lone/undo", lambda request, response: response)
+    wait_until(lambda: "/lone/undo" in dict(second.get_service_names_and_types()))
     definitions.check_same_message_version(second)
 
     own, other = definitions.own_hash, "RIHS01_" + "0" * 64
-    changed = f"hitab_msgs/srv/SetMode_{part}"
+    changed = f"hitab_msgs/srv/Undo_{part}"
     monkeypatch.setattr(definitions, "own_hash", lambda k: other if k == changed else own(k))
     with pytest.raises(HitabError) as refused:
         definitions.check_same_message_version(second)

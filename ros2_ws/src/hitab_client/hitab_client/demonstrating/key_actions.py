@@ -7,9 +7,9 @@ from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
+from hitab_core.operation import Operation
 from hitab_core.operations import (
     Command,
-    Operation,
     Perform,
     RetimeExamples,
     TakeOver,

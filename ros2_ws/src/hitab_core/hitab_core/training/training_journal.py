@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from hitab_core.codec import to_dict
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
+from hitab_core.operation import Operation
 from hitab_core.term import Term
 from hitab_core.training.agent_database import MOVE_AWAY, OLDER, AgentDatabase
 from hitab_core.training.curriculum import Curriculum
 
 if TYPE_CHECKING:
     import sqlite3
-
-    from hitab_core.operations import Operation
 
 RESUMED = "resume"
 """Journal entry for the moment at which another process resumes a training."""
@@ -44,6 +43,7 @@ class TrainingJournal:
         people: texts about demonstrators, by name; on disk once a training ends.
         under_way: number of the training that this process keeps in it; 0 if none.
         done: ids of the operations on disk that a process before this one has done.
+        recorded: whether the last operation has written what cannot be refused any more.
         damage: why the training on disk cannot be resumed, and the way out; empty if none is
             there, or it was resumed.
     """
@@ -60,13 +60,14 @@ class TrainingJournal:
         self.under_way = self._written = 0  # with how many records
         self.damage = ""
         self.done: list[str] = []
+        self.recorded = False
         self._domain = domain
         self._operation: Operation | None = None
 
     @contextmanager
     def recording(self, operation: Operation) -> Iterator[None]:
         """Add the id and the person of an operation to the records that are written meanwhile."""
-        self._operation = operation
+        self._operation, self.recorded = operation, False
         try:
             yield
         finally:
@@ -108,6 +109,7 @@ class TrainingJournal:
             assert training is not None
             self._database.append(tables, training, 1, self._completed(first))
         self.under_way, self._written, self.damage = training, 1, ""
+        self.recorded = True
 
     def write(self, record: Mapping[str, object]) -> None:
         """Write a step; it is on disk when this returns.
@@ -120,6 +122,7 @@ class TrainingJournal:
             with self._database.transaction(keep=True) as tables:
                 self._database.append(tables, self.under_way, self._written + 1, record)
             self._written += 1
+        self.recorded = record["do"] != SAVED  # the library may still refuse it
 
     def kept(self) -> list[tuple[int, list[dict[str, Any]]]]:
         """Return the trainings on disk, each with its records; damaged ones are left out."""
@@ -172,8 +175,7 @@ class TrainingJournal:
         if self._database is not None and (self.under_way or self.damage):
             if self.damage:
                 self._database.put_aside_if_damaged()
-            self.write({"do": DISCARDED})
-            self._end(self._database)
+            self._end(self._database, {"do": DISCARDED})
         self.damage = ""
 
     def archive(self) -> None:
@@ -183,8 +185,11 @@ class TrainingJournal:
                 self._end(self._database)
         self.close()
 
-    def _end(self, database: AgentDatabase) -> None:
+    def _end(self, database: AgentDatabase, *last: Record) -> None:
         with database.transaction() as tables:
+            if self.under_way:
+                for record in map(self._completed, last):
+                    database.append(tables, self.under_way, self._written + 1, record)
             tables.execute(_END)
             tables.executemany("REPLACE INTO person VALUES (?, ?)", self.people.items())
         self.close()
