@@ -30,7 +30,7 @@ import os
 import re
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -128,9 +128,9 @@ class Operation:
         OPERATIONS[cls.name] = cls
 
     @classmethod
-    def own_fields(cls) -> dict[str, Any]:
-        """Return the fields besides identity and person, each with its type as a text."""
-        return {f.name: f.type for f in fields(cls) if not f.kw_only}
+    def own_fields(cls) -> dict[str, Field[Any]]:
+        """Return the fields besides identity and person, by name."""
+        return {f.name: f for f in fields(cls) if not f.kw_only}
 
     def apply(self, agent: Agent) -> Outcome:
         """Carry the operation out.
@@ -143,6 +143,11 @@ class Operation:
 
 OPERATIONS: dict[str, type[Operation]] = {}
 """All operations, by name."""
+
+
+def is_required(field: Field[Any]) -> bool:
+    """Return whether a field of an operation has no default."""
+    return field.default is MISSING and field.default_factory is MISSING
 
 
 # -- training -------------------------------------------------------------------------------
@@ -246,6 +251,8 @@ class Test(Operation):
     Attributes:
         restart: begin at Start, not at the active state.
     """
+
+    __test__: ClassVar[bool] = False  # not a test case, despite its name
 
     restart: bool = False
 
