@@ -210,7 +210,7 @@ class Command(Operation):
 
     Attributes:
         behavior: a behavior of the repertoire, or a flag.
-        targets: targets of its parameters.
+        targets: targets for its parameters, such as ball; its numbers, such as direction=40.
         seen: the world's cycle that the demonstrator saw; 0 for that of the last percept.
         pace: simulated seconds in a second of the demonstrator's; 0 if the situation waited.
         exact: whether it is meant for the percept seen; else the agent estimates its delay.
@@ -285,7 +285,10 @@ class TakeOver(Operation):
 
 @dataclass(frozen=True)
 class Undo(Operation):
-    """Undo the last command or edit; for a command, return to the state before."""
+    """Undo the last command, deletion or other edit.
+
+    Undoing a command makes the agent perform its previous behavior again.
+    """
 
     def apply(self, agent: Agent) -> Outcome:
         """Undo."""
@@ -307,7 +310,7 @@ class Redo(Operation):
 
 @dataclass(frozen=True)
 class DeleteExamples(Operation):
-    """Delete examples.
+    """Delete examples; undoing brings them back.
 
     Attributes:
         numbers: numbers of the examples.
@@ -324,11 +327,11 @@ class DeleteExamples(Operation):
 
 @dataclass(frozen=True)
 class RelabelExamples(Operation):
-    """Change the next state of examples.
+    """Change the next state of examples; undoing reverts this.
 
     Attributes:
         numbers: numbers of the examples.
-        next_state: the right next state, with its targets and numbers.
+        next_state: the right next state, with its targets and numbers, if any.
     """
 
     numbers: Sequence[int]
@@ -343,7 +346,7 @@ class RelabelExamples(Operation):
 
 @dataclass(frozen=True)
 class RetimeExamples(Operation):
-    """Change when commands were due.
+    """Correct late commands: date them back to an earlier percept of the agent.
 
     Attributes:
         numbers: numbers of examples; of a command all are retimed.
@@ -475,7 +478,7 @@ class Perform(Operation):
 
     Attributes:
         behavior: the behavior; empty to perform nothing.
-        targets: targets of its parameters.
+        targets: targets for its parameters, such as ball; its numbers, such as direction=40.
     """
 
     behavior: str = ""
@@ -553,7 +556,7 @@ class Distribute(Operation):
 
     Attributes:
         behavior: the behavior.
-        targets: targets of its parameters.
+        targets: targets for its parameters, such as ball; its numbers, such as direction=40.
         receivers: names of the receivers; empty for all.
         start: have them begin performing it, at Start.
     """
