@@ -34,20 +34,18 @@ from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from hitab_core.assistant.caution import Caution
+from hitab_core import library, training
 from hitab_core.errors import LibraryError, TrainingError, VocabularyError
-from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX
-from hitab_core.library.bundle import Bundle, make_bundle
 from hitab_core.library.expectation import broken_expectations
 from hitab_core.mode import Mode
 from hitab_core.remedies import Fix, Remedy
 from hitab_core.term import Term
-from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.events import Given
 from hitab_core.wording import quantity
 
 if TYPE_CHECKING:
     from hitab_core.agent import Agent
+    from hitab_core.library import Bundle
     from hitab_core.training_session import TrainingSession
 
 OUTCOMES_MAX = 1000
@@ -177,7 +175,7 @@ class BeginTraining(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Begin the training."""
-        curriculum = Curriculum.parse(
+        curriculum = training.Curriculum.parse(
             self.automaton,
             self.features,
             self.states,
@@ -511,6 +509,8 @@ class SetCaution(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Set it."""
+        from hitab_core.assistant.caution import Caution  # deferred: loads the learning code
+
         caution = Caution.parse(self.when_unsure, self.distance)
         agent.monitor.set(caution)
         return Outcome(f"{agent.name}: {caution}")
@@ -531,20 +531,20 @@ class LoadLibrary(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Read the library."""
-        library = None
+        other = None
         if self.path:
             folder = Path(os.path.expanduser(self.path))
             if not folder.is_absolute() or not folder.is_dir():
                 raise LibraryError(
                     f'"{self.path}" is not a folder here; give the absolute path of a library'
                 )
-            if any(folder.iterdir()) and not any(folder.glob(f"*{BEHAVIOR_SUFFIX}")):
+            if any(folder.iterdir()) and not any(folder.glob(f"*{library.BEHAVIOR_SUFFIX}")):
                 raise LibraryError(
-                    f"{folder} contains files but no behaviors (*{BEHAVIOR_SUFFIX}); give "
+                    f"{folder} contains files but no behaviors (*{library.BEHAVIOR_SUFFIX}); give "
                     "the path of a library, or of an empty folder for a new one"
                 )
-            library = agent.open_library(folder, agent.domain)
-        behaviors, loaded = agent.reload(library), agent.loaded
+            other = agent.open_library(folder, agent.domain)
+        behaviors, loaded = agent.reload(other), agent.loaded
         broken = [text for file in loaded.files.values() for text in file.broken]
         done = "; but ".join([quantity(len(behaviors), "trained behavior"), *broken])
         return Outcome(done, behaviors=behaviors, digest=loaded.digest)
@@ -578,7 +578,7 @@ class Distribute(Operation):
                 f'"{term.name}" does not need to be sent: it comes with domain '
                 f'"{agent.domain.name}", which its agents have'
             )
-        bundle = make_bundle(agent.loaded.texts, agent.repertoire, term.name)
+        bundle = library.make_bundle(agent.loaded.texts, agent.repertoire, term.name)
         number = agent.send(Shipment(bundle, term, self.receivers, self.start))
         broken = [text for name, _ in bundle.files for text in agent.loaded.files[name].broken]
         done = "; but ".join([f"sent {quantity(len(bundle.files), 'behavior')}", *broken])
