@@ -168,31 +168,18 @@ class Operate(Step):
         return self.does(**{name: getattr(self, name) for name in given})
 
 
-_KEYS = {
-    "begin_training": "begin",
-    "delete_examples": "delete",
-    "relabel_examples": "relabel",
-    "retime_examples": "retime",
-    "answer_question": "answer",
-    "save_behavior": "save",
-    "discard_training": "discard",
-    "automaton": "name",
-    "bindings": "bind",
-}
-"""Keys in lessons for operations and their fields, where they do not have the same names."""
+_OBJECT = re.compile("_(training|examples|question|behavior)$")
+"""End of an operation's name that its key in lessons does not have."""
+
+_KEYS = {"automaton": "name", "bindings": "bind"}
+"""Keys in lessons for fields of operations that do not have their names."""
 
 _UNWRITTEN = {"discard", "seen", "pace", "exact"}
 """Fields of operations that lessons do not set: the player discards, and acts without delay."""
 
-_TYPES: dict[str, Any] = {
-    "bool": bool,
-    "int": int,
-    "float": float,
-    "str": str,
-    "Sequence[int]": list[int],
-    "Sequence[str]": Texts,
-    "Mapping[str, str]": Names,
-}
+_SIMPLE = {"bool": bool, "int": int, "float": float, "str": str}
+_LISTS = {"Sequence[int]": list[int], "Sequence[str]": Texts, "Mapping[str, str]": Names}
+_TYPES: dict[str, Any] = {**_SIMPLE, **_LISTS}
 """Types of values in lessons, by types of operations' fields."""
 
 
@@ -201,7 +188,7 @@ def operate(does: type[Operation]) -> None:
 
     The first key gives the behavior, or the first field if that is required.
     """
-    key, first, keys = _KEYS.get(does.name, does.name), "", dict[str, Any]()
+    key, first, keys = _OBJECT.sub("", does.name), "", dict[str, Any]()
     for name, field in does.own_fields().items():
         if name in _UNWRITTEN:
             continue
