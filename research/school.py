@@ -8,7 +8,6 @@ basic behavior that it performed, and the basic behavior that it performs on the
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,28 +18,22 @@ from hitab_client.errors import LessonError
 from hitab_client.lessons import read_lesson
 from hitab_client.lessons.conditions import Condition
 from hitab_client.lessons.lesson import (
-    Begin,
     Check,
-    Command,
-    Distribute,
     Lesson,
     Never,
     NewEpisode,
-    Perform,
+    Operate,
     Place,
-    Save,
     Say,
     Step,
-    TakeOver,
-    Test,
     Until,
 )
 from hitab_client.world_view import WorldView, speakers
 from hitab_commander.inprocess import HierarchyPlayers
 from hitab_core import START, Agent, Automaton, HitabError, Term
+from hitab_core.operations import BeginTraining, Command, Distribute
 from hitab_core.running import RunningAutomaton
 from hitab_core.running.feature_cache import value_or_nan
-from hitab_core.training import Curriculum
 from hitab_world import Placement, World
 from hitab_world.inprocess import AutomatonPlayer, cycle
 
@@ -97,11 +90,13 @@ class School:
         for step in lesson.steps:
             self._said, self._ended, self._begun_at = frozenset(), (), self.world.cycle
             try:
-                _STEPS[type(step)](self, step, lesson)
+                if isinstance(step, Operate):
+                    given += self._operate(step, lesson)
+                else:
+                    _STEPS[type(step)](self, step)
             except HitabError as error:
                 place = f"{lesson.file}:{step.line}: step `{step.kind}`: "
                 raise LessonError(f"{place}{error}") from None
-            given += isinstance(step, Command)
         learned = self.learned(lesson.agent)[lesson.name]
         self.costs[lesson.name] = (given, len(learned.examples))
 
@@ -159,40 +154,44 @@ class School:
 
     # -- the steps --------------------------------------------------------------------------
 
-    def _place(self, step: Place, lesson: Lesson) -> None:
+    def _place(self, step: Place) -> None:
         placements = [Placement(name, **where) for name, where in step.things.items()]
         self.world.place(placements, new_episode=step.new_episode)
         self._look()
 
-    def _new_episode(self, step: NewEpisode, lesson: Lesson) -> None:
+    def _new_episode(self, step: NewEpisode) -> None:
         self.world.reset()
         self._look()
 
-    def _begin(self, step: Begin, lesson: Lesson) -> None:
-        curriculum = Curriculum.parse(
-            step.automaton,
-            step.features,
-            step.states,
-            step.parameters,
-            step.parameters.values(),
-            step.classifier or "tree",
-        )
-        self._agent(step).begin(curriculum, resume=step.resume)
-        self._doing = START
+    def _operate(self, step: Operate, lesson: Lesson) -> int:
+        """Have the step's agents carry it out; return how many were commanded."""
+        operation = step.operation
+        # A lesson may tell a captain to perform whom this swarm does not have.
+        for agent in map(self.hierarchy.agents.get, step.agents):
+            if agent is None:
+                continue
+            if isinstance(operation, Distribute):
+                self._distribute(agent, operation)
+            elif isinstance(operation, Command):
+                self._command(agent, operation, lesson)
+            else:
+                agent.do(operation)
+            if isinstance(operation, BeginTraining):
+                self._doing = START
+        return isinstance(operation, Command) * len(step.agents)
 
-    def _command(self, step: Command, lesson: Lesson) -> None:
-        agent = self._agent(step)
+    def _command(self, agent: Agent, command: Command, lesson: Lesson) -> None:
         session = agent.session
         assert session is not None
         bindings = {**self.bindings, **session.running.bindings}
         terms = [term.bound(bindings) for term in self.words]
         readings = tuple(value_or_nan(agent.context.feature_cache.look, term) for term in terms)
-        performed = self._performed(agent, step.term.bound(bindings))
+        performed = self._performed(agent, Term.parse(command.behavior).bound(bindings))
         if performed != START:
             names = {bindings[name]: name for name in self.bindings}
             shown = Shown(readings, _renamed(self._doing, names), _renamed(performed, names))
             self.commands[lesson.name].append(shown)
-        agent.command(step.term)
+        agent.do(command)
         self._doing = performed if performed != START else self._doing
 
     def _performed(self, agent: Agent, term: Term) -> str:
@@ -207,40 +206,24 @@ class School:
         probe.tick()
         return basic_behavior(probe.running)
 
-    def _until(self, step: Until, lesson: Lesson) -> None:
+    def _until(self, step: Until) -> None:
         if not self._await(step.condition, step.within, self._agent(step)):
             told = step.condition.describe(self._view())
             raise LessonError(f"waited {step.within:g} s in vain until {told}")
 
-    def _never(self, step: Never, lesson: Lesson) -> None:
+    def _never(self, step: Never) -> None:
         if self._await(step.condition, step.within, self._agent(step)):
             raise LessonError(f"{step.condition.describe(self._view())} came but should not")
 
-    def _test(self, step: Test, lesson: Lesson) -> None:
-        self._agent(step).test(restart=step.restart)
-
-    def _take_over(self, step: TakeOver, lesson: Lesson) -> None:
-        self._agent(step).take_over()
-
-    def _save(self, step: Save, lesson: Lesson) -> None:
-        self._agent(step).save(
-            step.name, step.bind, step.description, keep_unused=step.keep_unused
-        )
-
-    def _distribute(self, step: Distribute, lesson: Lesson) -> None:
-        library = self._agent(step).library
+    def _distribute(self, source: Agent, sent: Distribute) -> None:
         for agent in self.hierarchy.agents.values():
-            if agent.library is library and agent.name in (step.receivers or self.world.agents):
+            receives = agent.name in (sent.receivers or self.world.agents)
+            if agent.library is source.library and receives:
                 agent.reload()
-                if step.start:
-                    agent.perform(step.term)
+                if sent.start:
+                    agent.perform(Term.parse(sent.behavior))
 
-    def _perform(self, step: Perform, lesson: Lesson) -> None:
-        for name in step.agents:
-            with suppress(KeyError):  # a captain whom this lesson's swarm has, but this one not
-                self.hierarchy.agents[name].perform(step.term)
-
-    def _say(self, step: Say, lesson: Lesson) -> None:
+    def _say(self, step: Say) -> None:
         """Do nothing: there is nobody to read it."""
 
 
@@ -249,18 +232,11 @@ def _renamed(behavior: str, names: Mapping[str, str]) -> str:
     return str(Term.parse(behavior).bound(names))
 
 
-_STEPS: dict[type[Step], Callable[[School, Any, Lesson], None]] = {
+_STEPS: dict[type[Step], Callable[[School, Any], None]] = {
     Say: School._say,
     Place: School._place,
-    Begin: School._begin,
-    Command: School._command,
     Until: School._until,
     Check: School._until,
     Never: School._never,
-    Test: School._test,
-    TakeOver: School._take_over,
-    Save: School._save,
-    Distribute: School._distribute,
-    Perform: School._perform,
     NewEpisode: School._new_episode,
 }

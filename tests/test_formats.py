@@ -80,7 +80,7 @@ def test_an_unfinished_recording_is_replayed_and_what_it_lacks_is_said(tmp_path)
 def test_files_of_a_newer_format_are_refused_before_anything_else_in_them(tmp_path):
     files = {
         "swarm.yaml": ("swarm: new\nformat: 3\nsomething: new\n", read_swarm),
-        "lesson.yaml": ("lesson: New\nformat: 3\n", read_lesson),
+        "lesson.yaml": ("lesson: New\nformat: 4\n", read_lesson),
         "commander.yaml": ("commander: New\nformat: 2\n", read_kind),
     }
     for name, (text, read) in files.items():

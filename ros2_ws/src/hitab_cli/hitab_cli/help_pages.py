@@ -1,7 +1,8 @@
 """Layout of the help pages of all verbs, of any package.
 
 Each paragraph of a verb's docstring becomes one line, which the terminal wraps at its own width.
-The section "Args:" is the help of arguments and options.
+The section "Args:" is the help of arguments and options; a verb made from an operation adds the
+operation's section "Attributes:".
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import typer
 from typer.core import TyperCommand
 from typer.models import CommandInfo
 
-_ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
+_ARGS = re.compile(r"^(Args|Attributes):\n((?: +.*\n?)+)\n?", re.MULTILINE)
 _ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
 _BELOW_ZERO = re.compile(r"-\.?[0-9]")
 _BREAK = re.compile(r"(?<!\n)\n(?=\S)")
@@ -63,7 +64,14 @@ def verbs(
 
 
 def _parameter_helps(doc: str) -> dict[str, str]:
-    """Return the help of each parameter in the section "Args:" of a docstring."""
-    section = _ARGS.search(doc)
-    found = _ARG.findall(section[1]) if section else ()
-    return {name: " ".join(text.split()) for name, text in found}
+    """Return the help of each parameter in a docstring; the first section that has it counts."""
+    found = {}
+    for title, section in reversed(_ARGS.findall(doc)):
+        for name, text in _ARG.findall(section):
+            told = " ".join(text.split())
+            if title == "Attributes":
+                told = told[0].upper() + told[1:].replace("``", "").replace(
+                    "; empty for ", ". Default: "
+                )
+            found[name] = told
+    return found

@@ -4,11 +4,13 @@ import contextlib
 from types import SimpleNamespace
 
 import pytest
-from hitab_msgs.msg import AgentStatus
+from hitab_msgs.msg import AgentStatus, TrainingStatus
 from typer.testing import CliRunner
 
 from hitab_cli.main import make_app
+from hitab_cli.verbs import operating
 from hitab_cli.verbs.train import training_verbs as training
+from hitab_core.operations import DiscardTraining
 
 
 @pytest.fixture
@@ -16,7 +18,8 @@ def discarded(monkeypatch) -> list[str]:
     """Return the agents whose trainings were discarded; keeper_1 has 14 examples, keeper_2 two."""
     done: list[str] = []
 
-    def discard(agent):
+    def do(agent, operation):
+        assert operation == DiscardTraining()
         done.append(agent)
         return SimpleNamespace(message="discarded", remedies=[])
 
@@ -26,14 +29,16 @@ def discarded(monkeypatch) -> list[str]:
             agent=agent,
             mode=AgentStatus.PERFORMING if several else AgentStatus.TRAINING,
             behavior="Rest" if several else "Chase",
-            training="Chase",
-            examples=14 if several else 2,
-            default_examples=7 if several else 1,
+            training=TrainingStatus(
+                automaton="Chase",
+                examples=14 if several else 2,
+                default_examples=7 if several else 1,
+            ),
         )
 
-    agents = SimpleNamespace(discard=discard, await_agent=status)
+    agents = SimpleNamespace(do=do, await_agent=status)
     monkeypatch.setattr(
-        training,
+        operating,
         "connection",
         lambda swarm: contextlib.nullcontext(SimpleNamespace(agents=agents)),
     )

@@ -10,6 +10,7 @@ from rclpy.clock import Clock, ClockType
 from hitab_client import domain_ids
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
+from hitab_core.operations import Distribute
 from hitab_ros import names, qos
 
 PUPILS = [f"pupil_{number}" for number in range(4)]
@@ -34,7 +35,7 @@ class Swarm:
         self._acks = self._node.create_publisher(
             msg.DistributionAck, f"/{names.DISTRIBUTION_ACK}", qos.ROLL_CALL
         )
-        self._node.create_service(srv.Distribute, f"/source/{names.DISTRIBUTE}", self._distribute)
+        self._node.create_service(srv.Distribute, f"/source/{Distribute.name}", self._distribute)
 
     def _distribute(self, request: Any, response: Any) -> Any:
         clock = Clock(clock_type=ClockType.STEADY_TIME)
@@ -62,7 +63,10 @@ def test_it_waits_as_long_as_one_more_answers(link):
     client = SwarmClient(link, ["source", *PUPILS])
     # All take longer than that together, and each one takes less.
     report = client.distribute(
-        "source", "Go", seconds=3.0, progress=lambda done, total: reported.append((done, total))
+        "source",
+        Distribute("Go"),
+        seconds=3.0,
+        progress=lambda done, total: reported.append((done, total)),
     )
     assert (report.accepted, report.silent) == (PUPILS, [])
     assert reported == [(done, len(PUPILS)) for done in range(len(PUPILS) + 1)]
@@ -71,5 +75,5 @@ def test_it_waits_as_long_as_one_more_answers(link):
 def test_it_does_not_wait_for_ever_for_those_who_never_answer(link):
     Swarm(link, 0.02, PUPILS[:-1])
     client = SwarmClient(link, ["source", *PUPILS])
-    report = client.distribute("source", "Go", seconds=1.0)
+    report = client.distribute("source", Distribute("Go"), seconds=1.0)
     assert (report.accepted, report.silent) == (PUPILS[:-1], PUPILS[-1:])

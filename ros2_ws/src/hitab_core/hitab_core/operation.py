@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, NamedTuple
+from dataclasses import MISSING, Field, dataclass, field, fields
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from hitab_core.library.bundle import Bundle
 from hitab_core.remedies import Remedy
 from hitab_core.term import Term
+
+if TYPE_CHECKING:
+    from hitab_core.library.bundle import Bundle
 
 OUTCOMES_MAX = 1000
 """Number of operations whose outcomes an agent or a world keeps, for those that are sent again."""
@@ -89,9 +91,9 @@ class Operation:
         cls.name = re.sub("(?<=[a-z])(?=[A-Z])", "_", cls.__name__).lower()
 
     @classmethod
-    def own_fields(cls) -> dict[str, Any]:
-        """Return the fields besides identity and person, each with its type as a text."""
-        return {f.name: f.type for f in fields(cls) if not f.kw_only}
+    def own_fields(cls) -> dict[str, Field[Any]]:
+        """Return the fields besides identity and person, by name."""
+        return {f.name: f for f in fields(cls) if not f.kw_only}
 
     def apply(self, agent: Any) -> Outcome:
         """Carry the operation out on an `Agent`.
@@ -100,3 +102,8 @@ class Operation:
             HitabError: if it is refused; nothing has changed.
         """
         raise NotImplementedError
+
+
+def is_required(field: Field[Any]) -> bool:
+    """Return whether a field of an operation has no default."""
+    return field.default is MISSING and field.default_factory is MISSING

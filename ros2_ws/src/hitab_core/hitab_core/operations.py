@@ -30,21 +30,20 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
-from hitab_core.agent import Agent
-from hitab_core.assistant.caution import Caution
 from hitab_core.errors import LibraryError, TrainingError, VocabularyError
-from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX
-from hitab_core.library.bundle import make_bundle
 from hitab_core.library.expectation import broken_expectations
 from hitab_core.mode import Mode
 from hitab_core.operation import Operation, Outcome, Shipment
 from hitab_core.remedies import Fix
 from hitab_core.term import Term
-from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.events import Given
-from hitab_core.training_session import TrainingSession
 from hitab_core.wording import quantity
+
+if TYPE_CHECKING:
+    from hitab_core.agent import Agent
+    from hitab_core.training_session import TrainingSession
 
 # -- training -------------------------------------------------------------------------------
 
@@ -73,7 +72,7 @@ class BeginTraining(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Begin the training."""
-        curriculum = Curriculum.parse(
+        curriculum = training.Curriculum.parse(
             self.automaton,
             self.features,
             self.states,
@@ -106,7 +105,7 @@ class Command(Operation):
 
     Attributes:
         behavior: a behavior of the repertoire, or a flag.
-        targets: targets of its parameters.
+        targets: targets for its parameters, such as ball; its numbers, such as direction=40.
         seen: the world's cycle that the demonstrator saw; 0 for that of the last percept.
         pace: simulated seconds in a second of the demonstrator's; 0 if the situation waited.
         exact: whether it is meant for the percept seen; else the agent estimates its delay.
@@ -148,6 +147,8 @@ class Test(Operation):
         restart: begin at Start, not at the active state.
     """
 
+    __test__: ClassVar[bool] = False  # not a test case, despite its name
+
     restart: bool = False
 
     def apply(self, agent: Agent) -> Outcome:
@@ -179,7 +180,10 @@ class TakeOver(Operation):
 
 @dataclass(frozen=True)
 class Undo(Operation):
-    """Undo the last command or edit; for a command, return to the state before."""
+    """Undo the last command, deletion or other edit.
+
+    Undoing a command makes the agent perform its previous behavior again.
+    """
 
     def apply(self, agent: Agent) -> Outcome:
         """Undo."""
@@ -201,7 +205,7 @@ class Redo(Operation):
 
 @dataclass(frozen=True)
 class DeleteExamples(Operation):
-    """Delete examples.
+    """Delete examples; undoing brings them back.
 
     Attributes:
         numbers: numbers of the examples.
@@ -218,11 +222,11 @@ class DeleteExamples(Operation):
 
 @dataclass(frozen=True)
 class RelabelExamples(Operation):
-    """Change the next state of examples.
+    """Change the next state of examples; undoing reverts this.
 
     Attributes:
         numbers: numbers of the examples.
-        next_state: the right next state, with its targets and numbers.
+        next_state: the right next state, with its targets and numbers, if any.
     """
 
     numbers: Sequence[int]
@@ -237,7 +241,7 @@ class RelabelExamples(Operation):
 
 @dataclass(frozen=True)
 class RetimeExamples(Operation):
-    """Change when commands were due.
+    """Correct late commands: date them back to an earlier percept of the agent.
 
     Attributes:
         numbers: numbers of examples; of a command all are retimed.
@@ -369,7 +373,7 @@ class Perform(Operation):
 
     Attributes:
         behavior: the behavior; empty to perform nothing.
-        targets: targets of its parameters.
+        targets: targets for its parameters, such as ball; its numbers, such as direction=40.
     """
 
     behavior: str = ""
@@ -402,6 +406,8 @@ class SetCaution(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Set it."""
+        from hitab_core.assistant.caution import Caution  # deferred: loads the learning code
+
         caution = Caution.parse(self.when_unsure, self.distance)
         agent.monitor.set(caution)
         return Outcome(f"{agent.name}: {caution}")
@@ -422,20 +428,20 @@ class LoadLibrary(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Read the library."""
-        library = None
+        other = None
         if self.path:
             folder = Path(os.path.expanduser(self.path))
             if not folder.is_absolute() or not folder.is_dir():
                 raise LibraryError(
                     f'"{self.path}" is not a folder here; give the absolute path of a library'
                 )
-            if any(folder.iterdir()) and not any(folder.glob(f"*{BEHAVIOR_SUFFIX}")):
+            if any(folder.iterdir()) and not any(folder.glob(f"*{library.BEHAVIOR_SUFFIX}")):
                 raise LibraryError(
-                    f"{folder} contains files but no behaviors (*{BEHAVIOR_SUFFIX}); give "
+                    f"{folder} contains files but no behaviors (*{library.BEHAVIOR_SUFFIX}); give "
                     "the path of a library, or of an empty folder for a new one"
                 )
-            library = agent.open_library(folder, agent.domain)
-        behaviors, loaded = agent.reload(library), agent.loaded
+            other = agent.open_library(folder, agent.domain)
+        behaviors, loaded = agent.reload(other), agent.loaded
         broken = [text for file in loaded.files.values() for text in file.broken]
         done = "; but ".join([quantity(len(behaviors), "trained behavior"), *broken])
         return Outcome(done, behaviors=behaviors, digest=loaded.digest)
@@ -447,7 +453,7 @@ class Distribute(Operation):
 
     Attributes:
         behavior: the behavior.
-        targets: targets of its parameters.
+        targets: targets for its parameters, such as ball; its numbers, such as direction=40.
         receivers: names of the receivers; empty for all.
         start: have them begin performing it, at Start.
     """
@@ -469,7 +475,7 @@ class Distribute(Operation):
                 f'"{term.name}" does not need to be sent: it comes with domain '
                 f'"{agent.domain.name}", which its agents have'
             )
-        bundle = make_bundle(agent.loaded.texts, agent.repertoire, term.name)
+        bundle = library.make_bundle(agent.loaded.texts, agent.repertoire, term.name)
         number = agent.send(Shipment(bundle, term, self.receivers, self.start))
         broken = [text for name, _ in bundle.files for text in agent.loaded.files[name].broken]
         done = "; but ".join([f"sent {quantity(len(bundle.files), 'behavior')}", *broken])

@@ -17,7 +17,8 @@
       - save: true
 
 Positions are in m, angles in degrees, times in simulated seconds. `conditions` lists what may
-follow `until`, `check` and `never`; every class below is a kind of step.
+follow `until`, `check` and `never`; every class below is a kind of step, and so is every operation
+of `hitab_core.operations`.
 """
 
 from __future__ import annotations
@@ -25,15 +26,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, create_model
 
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import Condition, Passed
-from hitab_core import Term
 from hitab_core.library.yaml_models import (
     NONE_IS_EMPTY,
     Format,
@@ -45,19 +45,21 @@ from hitab_core.library.yaml_models import (
     read_use,
 )
 from hitab_core.library.yaml_places import read_text, read_yaml
+from hitab_core.operations import OPERATIONS, Operation, is_required
 
-LESSON_FORMAT = 2
-"""The newest format version that is read; 2 has the condition `feature`."""
+LESSON_FORMAT = 3
+"""The newest format version that is read; 2 has the condition `feature`, 3 all operations."""
 
 WITHIN = 20.0
 """Default simulated seconds within which an awaited condition must hold."""
 
 
-def _term_or_none(text: Any) -> Term | None:
-    return None if text == "nothing" else read_use(str(text))
+def _use(value: Any) -> str:
+    return str(read_use(str(value)))
 
 
-Behavior = Annotated[Term, PlainValidator(lambda text: read_use(str(text)))]
+def _use_or_nothing(value: Any) -> str:
+    return "" if value == "nothing" else _use(value)
 
 
 class ThingPlacement(Record):
@@ -93,7 +95,8 @@ class Step(Record):
     @classmethod
     def __pydantic_init_subclass__(cls, **more: Any) -> None:
         cls.kind = re.sub("(?<=[a-z])(?=[A-Z])", "_", cls.__name__).lower()
-        cls.kinds[cls.kind] = cls
+        if cls.kind in cls.known():
+            cls.kinds[cls.kind] = cls
 
 
 class Say(Step):
@@ -112,23 +115,6 @@ class Place(Step):
     def things(self) -> dict[str, dict[str, float]]:
         """Placements of things by name, in the world's units."""
         return placed(self.where)
-
-
-class Begin(Step):
-    """Begin to train an automaton."""
-
-    automaton: str = Field(alias="begin")
-    features: Texts = ()
-    states: Texts = ()
-    parameters: Names = Field(default_factory=dict)
-    resume: str = ""
-    classifier: str = ""
-
-
-class Command(Step):
-    """Command a behavior."""
-
-    term: Behavior = Field(alias="command")
 
 
 class Until(Step):
@@ -156,55 +142,72 @@ class Wait(Step):
     seconds: float = Field(alias="wait", gt=0.0)
 
 
-class Test(Step):
-    """Give control to the learned behavior."""
-
-    __test__: ClassVar[bool] = False  # not a test case, despite its name
-    test: Any
-    restart: bool = False
-
-
-class TakeOver(Step):
-    """Give control back to the demonstrator."""
-
-    take_over: Any
-
-
-class Undo(Step):
-    """Undo the last command or edit."""
-
-    undo: Any
-
-
-class Save(Step):
-    """Save the learned behavior; ``keep_unused`` keeps unused features for later training."""
-
-    save: Any
-    name: str = ""
-    bind: Names = Field(default_factory=dict)
-    description: str = ""
-    keep_unused: bool = False
-
-
-class Distribute(Step):
-    """Send a behavior to other agents; ``start`` makes them perform it."""
-
-    term: Behavior = Field(alias="distribute")
-    receivers: Texts = ()
-    start: bool = False
-
-
-class Perform(Step):
-    """Make agents perform a behavior, or nothing."""
-
-    term: Annotated[Term | None, PlainValidator(_term_or_none)] = Field(alias="perform")
-    agents: Texts = ()
-
-
 class NewEpisode(Step):
     """Begin a new episode with all agents in Start."""
 
     new_episode: Any
+
+
+class Operate(Step):
+    """Have agents carry out an operation; `operate` makes a kind of this step for each.
+
+    Attributes:
+        does: type of the operation.
+        first: the operation's field that the first key gives; else the key is followed by `true`.
+        agents: names of the agents; by default, that of the step.
+    """
+
+    does: ClassVar[type[Operation]]
+    first: ClassVar[str]
+    agents: Texts = ()
+
+    @property
+    def operation(self) -> Operation:
+        """The operation."""
+        given = self.does.own_fields().keys() & type(self).model_fields.keys()
+        return self.does(**{name: getattr(self, name) for name in given})
+
+
+_OBJECT = re.compile("_(training|examples|question|behavior)$")
+"""End of an operation's name that its key in lessons does not have."""
+
+_KEYS = {"automaton": "name", "bindings": "bind"}
+"""Keys in lessons for fields of operations that do not have their names."""
+
+_UNWRITTEN = {"discard", "seen", "pace", "exact"}
+"""Fields of operations that lessons do not set: the player discards, and acts without delay."""
+
+_SIMPLE = {"bool": bool, "int": int, "float": float, "str": str}
+_LISTS = {"Sequence[int]": list[int], "Sequence[str]": Texts, "Mapping[str, str]": Names}
+_TYPES: dict[str, Any] = {**_SIMPLE, **_LISTS}
+"""Types of values in lessons, by types of operations' fields."""
+
+
+def operate(does: type[Operation]) -> None:
+    """Make the kind of step for an operation, with a key for each field.
+
+    The first key gives the behavior, or the first field if that is required.
+    """
+    key, first, keys = _OBJECT.sub("", does.name), "", dict[str, Any]()
+    for name, field in does.own_fields().items():
+        if name in _UNWRITTEN:
+            continue
+        kind, default = _TYPES[str(field.type)], field.default
+        if name in ("behavior", "next_state"):
+            kind = Annotated[str, PlainValidator(_use if is_required(field) else _use_or_nothing)]
+        if name == "behavior" or (not keys and is_required(field)):
+            first = name
+        if default is MISSING:
+            default = ... if is_required(field) else {}
+        keys[name] = kind, Field(default, alias=key if name == first else _KEYS.get(name))
+    if not first:
+        keys[key] = Any, ...
+    step: Any = create_model(key, __base__=Operate, __doc__=does.__doc__, **keys)
+    step.does, step.first = does, first
+
+
+for _operation in OPERATIONS.values():
+    operate(_operation)
 
 
 @dataclass(frozen=True)
@@ -263,6 +266,6 @@ def _completed(step: Step, line: int, agent: str) -> Step:
             return Until.model_construct(**more)
         case Until():
             more["condition"] = step.condition.about(agent)
-        case Perform(agents=()):
+        case Operate(agents=()):
             more["agents"] = (agent,)
     return step.but(**more)

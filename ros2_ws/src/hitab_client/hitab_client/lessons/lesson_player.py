@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from hitab_msgs.srv import Control
 
@@ -17,27 +18,29 @@ from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.lessons.condition_watch import ConditionWatch
 from hitab_client.lessons.lesson import (
-    Begin,
     Check,
-    Command,
-    Distribute,
     Lesson,
     Never,
     NewEpisode,
-    Perform,
+    Operate,
     Place,
-    Save,
     Say,
     Step,
-    TakeOver,
-    Test,
-    Undo,
     Until,
 )
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
-from hitab_core import ExampleKind, HitabError, operations, quantity, some
+from hitab_core import ExampleKind, HitabError, quantity, some
+from hitab_core.operations import (
+    BeginTraining,
+    Command,
+    DiscardTraining,
+    Distribute,
+    Operation,
+    Perform,
+    SaveBehavior,
+)
 
 
 @dataclass
@@ -135,11 +138,11 @@ class LessonPlayer:
         with not_interrupted():
             for agent, automaton in self.begun.items():
                 try:
-                    outcomes.append(self.swarm.do(agent, operations.DiscardTraining()).message)
+                    outcomes.append(self.swarm.do(agent, DiscardTraining()).message)
                 except SwarmError as error:
                     outcomes.append(f'{agent} may still be training "{automaton}": {error}')
             self.begun.clear()
-        for behavior in dict.fromkeys(self._performing.values()):
+        for behavior in filter(None, dict.fromkeys(self._performing.values())):
             agents = [agent for agent, its in self._performing.items() if its == behavior]
             verb = "goes" if len(agents) == 1 else "go"
             outcomes.append(f"{some(agents)} {verb} on performing {behavior}")
@@ -148,7 +151,10 @@ class LessonPlayer:
     def _play(self, step: Step) -> None:
         self.watch.begin()
         try:
-            getattr(self, f"_{step.kind}")(step)
+            if isinstance(step, Operate):
+                self._operate(step)
+            else:
+                getattr(self, f"_{step.kind}")(step)
         except HitabError as error:
             place = f"{self.lesson.file}:{step.line}: step `{step.kind}`"
             raise LessonError(error.problem, *error.remedies, where=place) from None
@@ -176,26 +182,6 @@ class LessonPlayer:
         world = self._arranged()
         world.shown(world.control(Control.Request.RESET))
 
-    def _begin(self, step: Begin) -> None:
-        # An interruption must not hide whether the training has begun.
-        with not_interrupted():
-            begin = operations.BeginTraining(
-                step.automaton,
-                step.features,
-                step.states,
-                step.parameters,
-                step.resume,
-                step.classifier,
-                self._discard and step.agent not in self.begun,
-            )
-            self.swarm.do(step.agent, begin)
-            self.begun[step.agent] = step.automaton
-
-    def _command(self, step: Command) -> None:
-        term = step.term
-        self.swarm.do(step.agent, operations.Command(term.name, term.arguments), world=self.world)
-        self.report.commands += 1
-
     def _told_now(self, step: Until) -> str:
         return step.condition.describe(self.watch.view())
 
@@ -221,48 +207,42 @@ class LessonPlayer:
             )
         self.report.checks.append(f"never {step.condition.describe()} in {step.within:g} s")
 
-    def _test(self, step: Test) -> None:
-        self.swarm.do(step.agent, operations.Test(restart=step.restart))
-
-    def _take_over(self, step: TakeOver) -> None:
-        self.swarm.do(step.agent, operations.TakeOver())
-
-    def _undo(self, step: Undo) -> None:
-        self.swarm.do(step.agent, operations.Undo())
-
-    def _save(self, step: Save) -> None:
-        with not_interrupted():
-            answer = self.swarm.do(
-                step.agent,
-                operations.SaveBehavior(step.name, step.bind, step.description, step.keep_unused),
-            )
-            self.begun.pop(step.agent, None)
-        name = step.name or self.lesson.name
-        examples = self.swarm.behavior(step.agent, name).examples
-        self.report.examples = len(examples)
-        self.report.default_examples = sum(e.kind is ExampleKind.DEFAULT for e in examples)
-        self.report.digest = answer.digest
-        self.report.path = answer.path
-        self.report.note = answer.replaced
-        self.report.trimmed = list(answer.trimmed)
-
-    def _distribute(self, step: Distribute) -> None:
-        sent = operations.Distribute(
-            step.term.name, step.term.arguments, step.receivers, step.start
-        )
-        report = self.swarm.distribute(step.agent, sent)
-        if missing := report.missing:
-            raise LessonError("; ".join(f"{name} {why}" for name, why in missing.items()))
-
-    def _perform(self, step: Perform) -> None:
+    def _operate(self, step: Operate) -> None:
         for agent in step.agents:
-            if step.term is None:
-                self.swarm.do(agent, operations.Perform())
-                self._performing.pop(agent, None)
+            operation = step.operation
+            if isinstance(operation, Distribute):
+                if missing := self.swarm.distribute(agent, operation).missing:
+                    raise LessonError("; ".join(f"{name} {why}" for name, why in missing.items()))
                 continue
-            # Note the training before it is confirmed: an interruption may come in between.
-            self._performing[agent] = str(step.term)
-            self.swarm.do(agent, operations.Perform(step.term.name, step.term.arguments))
+            if isinstance(operation, BeginTraining):
+                discard = self._discard and agent not in self.begun
+                operation = replace(operation, discard=discard)
+            # An interruption must not hide what an agent was made to do.
+            with not_interrupted():
+                answer = self.swarm.do(agent, operation, world=self.world)
+                self._note(agent, operation, answer)
+
+    def _note(self, agent: str, operation: Operation, answer: Any) -> None:
+        """Note what an operation has changed: for the report, and for taking it back."""
+        match operation:
+            case BeginTraining():
+                self.begun[agent] = operation.automaton
+            case Command():
+                self.report.commands += 1
+            case Perform():
+                self._performing[agent] = operation.behavior
+            case DiscardTraining():
+                self.begun.pop(agent, None)
+            case SaveBehavior():
+                self.begun.pop(agent, None)
+                name = operation.automaton or self.lesson.name
+                examples = self.swarm.behavior(agent, name).examples
+                self.report.examples = len(examples)
+                self.report.default_examples = sum(e.kind is ExampleKind.DEFAULT for e in examples)
+                self.report.digest = answer.digest
+                self.report.path = answer.path
+                self.report.note = answer.replaced
+                self.report.trimmed = list(answer.trimmed)
 
     def _say(self, step: Say) -> None:
         """Do nothing: the progress report has shown the text."""
@@ -279,15 +259,13 @@ class LessonPlayer:
 
 def _described(step: Step) -> str:
     """Return a short description of a step."""
+    kind = step.kind.replace("_", " ")
     match step:
         case Say():
             return step.text
-        case Command():
-            return f"{step.agent}: {step.term}"
         case Until():
-            return f"{step.kind} {step.condition.describe()}"
-        case Begin():
-            return f"{step.agent} begins {step.automaton}"
-        case Distribute():
-            return f"distribute {step.term}"
-    return step.kind.replace("_", " ")
+            return f"{kind} {step.condition.describe()}"
+        case Operate():
+            given = str(getattr(step, step.first)) if step.first else ""
+            return f"{some(step.agents)}: {kind} {given}".rstrip()
+    return kind

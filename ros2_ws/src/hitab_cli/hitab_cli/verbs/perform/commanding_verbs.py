@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from hitab_cli.verbs.operating import operates, say_done
 from hitab_cli.verbs.printing import plain, tell_faults
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
@@ -14,22 +15,13 @@ from hitab_client.cli_remedies import called, with_commands
 from hitab_core import FeatureKind, Fix, HitabError, quantity
 from hitab_core.operations import Command, Distribute, Perform, RetimeExamples, Undo
 
-Targets = Annotated[
-    list[str] | None,
-    typer.Argument(
-        help="Targets for its parameters, such as ball; its numbers, such as direction=40.",
-        show_default=False,
-    ),
-]
 
-
+@operates(Command)
 def demonstrate(
-    agent: AgentName,
-    behavior: str,
-    targets: Targets = None,
+    swarm_up: Connection,
+    agent: str,
+    command: Command,
     ago: Annotated[float | None, typer.Option("--ago")] = None,
-    unrecorded: Annotated[bool, typer.Option("--unrecorded")] = False,
-    swarm: SwarmName = None,
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
 
@@ -53,16 +45,15 @@ def demonstrate(
       hitab demonstrate keeper_1 Done
       hitab demonstrate keeper_1 TurnToBall --unrecorded
     """
-    command = Command(behavior, targets or (), unrecorded=unrecorded)
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.do(agent, command, world=swarm_up.world)
-        if ago and answer.examples:
-            late = RetimeExamples(answer.examples, _passed(swarm_up, ago))
-            try:
-                swarm_up.agents.do(agent, late)
-            except HitabError:
-                swarm_up.agents.do(agent, Undo())
-                raise
+    passed = _passed(swarm_up, agent, ago) if ago else 0.0
+    answer = swarm_up.agents.do(agent, command, world=swarm_up.world)
+    if passed and answer.examples:
+        late = RetimeExamples(answer.examples, passed)
+        try:
+            swarm_up.agents.do(agent, late)
+        except HitabError:
+            swarm_up.agents.do(agent, Undo())
+            raise
     console.say(answer.message)
     tell_faults(answer.status)
     if answer.status.training.questions:
@@ -70,7 +61,7 @@ def demonstrate(
         console.say(with_commands(questions, [Fix.QUESTIONS(agent=agent)]))
 
 
-def _passed(swarm_up: Connection, ago: float) -> float:
+def _passed(swarm_up: Connection, agent: str, ago: float) -> float:
     """Return the simulated time from some seconds before this command was entered until now, s.
 
     The world goes on while this process starts and looks for the agent.
@@ -81,17 +72,14 @@ def _passed(swarm_up: Connection, ago: float) -> float:
 
     from hitab_client.demonstrating import simulated
 
+    swarm_up.agents.await_agent(agent)
     swarm_up.await_world()
     seconds = ago + time.time() - psutil.Process().create_time()
     return simulated(seconds, swarm_up.world.status, swarm_up.world.speed)
 
 
-def perform(
-    agent: AgentName,
-    behavior: Annotated[str, typer.Argument()] = "",
-    targets: Targets = None,
-    swarm: SwarmName = None,
-) -> None:
+@operates(Perform)
+def perform(swarm_up: Connection, agent: str, performed: Perform) -> None:
     """Make an agent perform a behavior from its beginning; without one, stop it.
 
     A current training is kept with its examples; `hitab train AGENT` resumes it.
@@ -103,45 +91,36 @@ def perform(
       hitab perform keeper_1 Keepaway
       hitab perform keeper_1
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.do(agent, Perform(behavior, targets or ()))
-    console.say(answer.message)
-    if behavior:
+    answer = say_done(swarm_up, agent, performed)
+    if performed.behavior:
         tell_faults(answer.status)
 
 
-def distribute(
-    agent: AgentName,
-    behavior: str,
-    targets: Targets = None,
-    to: Annotated[list[str] | None, typer.Option("--to")] = None,
-    start: Annotated[bool, typer.Option("--start")] = False,
-    swarm: SwarmName = None,
-    json: JsonPath = None,
-) -> None:
+@operates(Distribute)
+def distribute(swarm_up: Connection, agent: str, sent: Distribute, json: JsonPath = None) -> None:
     """Send a behavior and everything it uses from one agent to the others of its domain.
 
     Each receiver verifies the files; the output lists which ones accepted it.
 
     Args:
         behavior: A trained behavior in that agent's library.
-        to: A receiver. Repeatable. Default: all others of its domain.
+        receivers: A receiver. Repeatable. Default: all others of its domain.
         start: Make the receivers perform it, from Start.
 
     Examples:
       hitab distribute keeper_1 Keepaway --start
       hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
     """
-    if targets and not start:
+    if sent.targets and not sent.start:
+        too_much = sent.targets[0]
         raise typer.BadParameter(
-            f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
-            f"chosen with --to, as in `{called()} distribute {agent} {behavior} --to {targets[0]}`"
+            f'"{too_much}" is too much: targets matter only with --start, and receivers are '
+            f"chosen with --to, as in `{called()} distribute {agent} {sent.behavior} --to "
+            f"{too_much}`"
         )
-    with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
+    with console.progress("distributing", "agents") as advance:
         report = swarm_up.agents.distribute(
-            agent,
-            Distribute(behavior, targets or (), to or (), start),
-            progress=lambda done, total: advance(done, total, ""),
+            agent, sent, progress=lambda done, total: advance(done, total, "")
         )
     console.note(report.message)
     lines = [f"{name}: has it" for name in report.accepted]
@@ -151,7 +130,7 @@ def distribute(
     if report.missing:
         have, missing = len(report.accepted), len(report.missing)
         raise HitabError(
-            f'only {have} of {have + missing} receivers have "{behavior}" now; solve the '
+            f'only {have} of {have + missing} receivers have "{sent.behavior}" now; solve the '
             "problems of the others, and distribute it again"
         )
 

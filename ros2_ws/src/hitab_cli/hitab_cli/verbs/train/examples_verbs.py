@@ -9,12 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from hitab_cli.verbs.operating import operates, say_done
 from hitab_cli.verbs.printing import as_text
-from hitab_cli.verbs.verb_connection import connection
+from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import as_direction, console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
 from hitab_core.codec import plain_values, to_dict
+from hitab_core.operations import (
+    ChooseFeatures,
+    DeleteExamples,
+    RelabelExamples,
+    RetimeExamples,
+)
 
 if TYPE_CHECKING:
     from hitab_core.assistant import TrainingCost
@@ -135,82 +142,35 @@ def _shown(value: float, unit: str, kind: str) -> str:
     return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
 
 
-def edit(swarm: str | None, agent: str, verb: str, *what: Any) -> None:
-    """Edit the examples of a training, or undo an edit, and print the agent's answer."""
-    with connection(swarm) as swarm_up:
-        answer = getattr(swarm_up.agents, verb)(agent, *what)
-    console.say(answer.message)
-
-
-Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
-
-
-@app.command("delete")
-def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
-    """Delete examples; `hitab undo` brings them back.
-
-    Example:
-      hitab examples delete keeper_1 3 4
-    """
-    edit(swarm, agent, "delete", numbers)
-
-
-@app.command("relabel")
-def examples_relabel(
-    agent: AgentName,
-    numbers: Numbers,
-    to: Annotated[str, typer.Option("--to")],
-    swarm: SwarmName = None,
-) -> None:
-    """Change the next state of examples; `hitab undo` reverts this.
-
-    Args:
-        to: The correct next state, with its numbers, if any.
-
-    Examples:
-      hitab examples relabel keeper_1 5 --to GoSlow
-      hitab examples relabel keeper_1 5 --to "RunTowards(direction=40)"
-    """
-    edit(swarm, agent, "relabel", numbers, to)
-
-
-@app.command("retime")
-def examples_retime(
-    agent: AgentName,
-    numbers: Numbers,
-    ago: Annotated[float, typer.Option("--ago")],
-    swarm: SwarmName = None,
-) -> None:
-    """Correct late commands: date them back to an earlier percept of the agent.
-
-    Args:
-        ago: Time from the situation to the command, simulated seconds.
-
-    Example:
-      hitab examples retime keeper_1 5 --ago 0.4
-    """
-    edit(swarm, agent, "retime", numbers, ago)
+_RELABEL = "hitab examples relabel keeper_1 5 --to"
+for _verb in (
+    operates(DeleteExamples, "hitab examples delete keeper_1 3 4"),
+    operates(RelabelExamples, f"{_RELABEL} GoSlow", f'{_RELABEL} "RunTowards(direction=40)"'),
+    operates(RetimeExamples, "hitab examples retime keeper_1 5 --ago 0.4"),
+):
+    app.command()(_verb(say_done))
 
 
 @app.command("features")
+@operates(ChooseFeatures)
 def examples_features(
-    agent: AgentName,
-    feature: Annotated[list[str], typer.Option("--feature", "-f")],
+    swarm_up: Connection,
+    agent: str,
+    chosen: ChooseFeatures,
     show: Annotated[bool, typer.Option("--show")] = False,
-    swarm: SwarmName = None,
 ) -> None:
     """Learn from other features of the same examples; `hitab undo` reverts this.
 
     Args:
-        feature: A feature, such as "DistanceTo(ball)". Repeatable.
+        features: A feature, such as "DistanceTo(ball)". Repeatable.
         show: Only show the result; change nothing.
 
     Examples:
       hitab examples features keeper_1 -f BallIsKickable --show
       hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
     """
-    if not show:
-        edit(swarm, agent, "choose_features", feature)
-        return
-    with connection(swarm) as swarm_up:
-        console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))
+    if show:
+        shown = swarm_up.agents.behavior(agent, with_features=chosen.features)
+        console.say(as_text(shown))
+    else:
+        say_done(swarm_up, agent, chosen)

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from hitab_cli.verbs.operating import say_done
 from hitab_cli.verbs.printing import plain
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import console
@@ -46,9 +47,7 @@ def questions(
         raise typer.BadParameter("--choice needs a question: --answer NUMBER")
     with connection(swarm) as swarm_up:
         if number is not None:
-            dismissed = answer is None
-            done = swarm_up.agents.do(agent, AnswerQuestion(number, choice, dismiss=dismissed))
-            console.say(done.message)
+            say_done(swarm_up, agent, AnswerQuestion(number, choice, answer is None))
             return
         found = swarm_up.agents.training(agent, searched=True)
     lines = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]

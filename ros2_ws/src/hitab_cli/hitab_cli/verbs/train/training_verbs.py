@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
+from hitab_cli.verbs.operating import bound, operates, say_done
 from hitab_cli.verbs.printing import tell_faults
-from hitab_cli.verbs.train.examples_verbs import edit
-from hitab_cli.verbs.verb_connection import connection
+from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
 from hitab_client.cli_options import AgentName, SwarmName
 from hitab_client.cli_remedies import called
@@ -17,10 +17,13 @@ from hitab_core import has, quantity
 from hitab_core.operations import (
     BeginTraining,
     DiscardTraining,
+    Operation,
+    Redo,
     SaveBehavior,
     SetCaution,
     TakeOver,
     Test,
+    Undo,
 )
 
 UNASKED_MAX = 3
@@ -67,45 +70,34 @@ def train(
       hitab train keeper_1 Keepaway --resume
       hitab train keeper_1
     """
-    bound = _bound(parameter or [])
+    targets = bound(parameter or [])
     taking_over = automaton is None and not resume_from
     if taking_over and any((feature, state, parameter, resume, classifier, discard)):
         raise typer.BadParameter(
             f"name the behavior to train, as in `{called()} train {agent} NAME`"
         )
+    begin: Operation = TakeOver()
+    if not taking_over:
+        begin = BeginTraining(
+            automaton or resume_from,
+            feature or (),
+            state or (),
+            targets,
+            resume_from or (automaton if resume and automaton else ""),
+            classifier,
+            discard,
+        )
     with connection(swarm) as swarm_up:
-        if taking_over:
-            answer = swarm_up.agents.do(agent, TakeOver())
-        else:
-            begin = BeginTraining(
-                automaton or resume_from,
-                feature or (),
-                state or (),
-                bound,
-                resume_from or (automaton if resume and automaton else ""),
-                classifier,
-                discard,
-            )
-            answer = swarm_up.agents.do(agent, begin)
-    console.say_answer(answer)
+        say_done(swarm_up, agent, begin)
 
 
-def _bound(parameters: list[str]) -> dict[str, str]:
-    bound = {}
-    for text in parameters:
-        name, equals, target = text.partition("=")
-        if not (name and equals and target):
-            raise typer.BadParameter(f'"{text}" is not NAME=TARGET, such as A=ball')
-        bound[name] = target
-    return bound
-
-
+@operates(Test)
 def start_testing(
-    agent: AgentName,
-    restart: Annotated[bool, typer.Option("--restart")] = False,
+    swarm_up: Connection,
+    agent: str,
+    test: Test,
     when_unsure: Annotated[str, typer.Option(metavar="go_on|halt|hand_back")] = "",
     distance: Annotated[float, typer.Option(show_default=False)] = 0.0,
-    swarm: SwarmName = None,
 ) -> None:
     """Give control to the learned behavior, without a reset.
 
@@ -113,7 +105,6 @@ def start_testing(
     decision is unsure.
 
     Args:
-        restart: Begin at Start, not at the active state.
         when_unsure: From now on, when a decision is unsure: go on, do nothing until it is sure,
             or give control to the demonstrator.
         distance: A decision is unsure if farther than this from every example; 1 is the typical
@@ -123,72 +114,33 @@ def start_testing(
       hitab test keeper_1 --restart
       hitab test keeper_1 --when-unsure halt --distance 3
     """
-    with connection(swarm) as swarm_up:
-        if when_unsure or distance:
-            cautious = swarm_up.agents.do(agent, SetCaution(when_unsure, distance=distance))
-            console.say(cautious.message)
-        answer = swarm_up.agents.do(agent, Test(restart=restart))
-        status = swarm_up.agents.statuses[agent]
-    console.say_answer(answer)
-    tell_faults(status)
+    if when_unsure or distance:
+        say_done(swarm_up, agent, SetCaution(when_unsure, distance))
+    tell_faults(say_done(swarm_up, agent, test).status)
 
 
-def undo(agent: AgentName, swarm: SwarmName = None) -> None:
-    """Undo the last command, deletion or relabeling.
-
-    Undoing a command makes the agent perform its previous behavior again.
-
-    Example:
-      hitab undo keeper_1
-    """
-    edit(swarm, agent, "undo")
+undo = operates(Undo, "hitab undo keeper_1")(say_done)
+redo = operates(Redo, "hitab redo keeper_1")(say_done)
 
 
-def redo(agent: AgentName, swarm: SwarmName = None) -> None:
-    """Redo the last undone change, unless something else was changed since.
-
-    Example:
-      hitab redo keeper_1
-    """
-    edit(swarm, agent, "redo")
-
-
-def save(
-    agent: AgentName,
-    name: str = "",
-    bind: Annotated[list[str] | None, typer.Option(metavar="ball=A")] = None,
-    description: str = "",
-    keep_unused: bool = False,
-    swarm: SwarmName = None,
-) -> None:
+@operates(SaveBehavior)
+def save(swarm_up: Connection, agent: str, saving: SaveBehavior) -> None:
     """Trim the learned behavior and add it to the agent's library.
 
     The behavior can then be commanded, as a state of a higher behavior.
 
     Args:
-        name: A new name. Default: the name given to `hitab train`.
-        bind: Replace a target or parameter. Repeatable.
-        description: Shown in the library.
-        keep_unused: Keep features that are not used yet, to resume training with them.
+        automaton: A new name. Default: the name given to `hitab train`.
+        bindings: Replace a target or parameter. Repeatable.
 
     Examples:
       hitab save keeper_1
       hitab save keeper_1 --name Approach --bind ball=A
     """
-    bound = _bound(bind or [])
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.do(
-            agent,
-            SaveBehavior(
-                name,
-                bound,
-                description,
-                keep_unused,
-            ),
-        )
-        targets = swarm_up.agents.vocabulary(agent).targets if bound else []
+    answer = swarm_up.agents.do(agent, saving)
     console.say_answer(answer, f"{answer.message}: {answer.path}")
-    for parameter in bound.values():
+    targets = swarm_up.agents.vocabulary(agent).targets if saving.bindings else []
+    for parameter in saving.bindings.values():
         if parameter not in targets:
             console.say(
                 f'"{parameter}" is now a parameter, since no target has this name '
@@ -198,10 +150,12 @@ def save(
         console.say(f"trimmed: {', '.join(answer.trimmed)}")
 
 
+@operates(DiscardTraining)
 def discard(
-    agent: AgentName,
+    swarm_up: Connection,
+    agent: str,
+    discarding: DiscardTraining,
     yes: Annotated[bool, typer.Option("--yes", "-y")] = False,
-    swarm: SwarmName = None,
 ) -> None:
     """Discard a training and its unsaved examples; the agent is idle afterwards.
 
@@ -215,16 +169,13 @@ def discard(
       hitab discard keeper_1
       hitab discard keeper_1 --yes
     """
-    with connection(swarm) as swarm_up:
-        if not yes and _is_terminal():
-            status = swarm_up.agents.await_agent(agent)
-            training = status.training
-            if training.examples - training.default_examples > UNASKED_MAX:
-                examples = quantity(training.examples, "unsaved example")
-                question = f'Discard the training of "{training.automaton}" with its {examples}?'
-                typer.confirm(question, abort=True, err=True)
-        answer = swarm_up.agents.do(agent, DiscardTraining())
-    console.say_answer(answer)
+    if not yes and _is_terminal():
+        training = swarm_up.agents.await_agent(agent).training
+        if training.examples - training.default_examples > UNASKED_MAX:
+            examples = quantity(training.examples, "unsaved example")
+            question = f'Discard the training of "{training.automaton}" with its {examples}?'
+            typer.confirm(question, abort=True, err=True)
+    say_done(swarm_up, agent, discarding)
 
 
 def _is_terminal() -> bool:
