@@ -14,7 +14,7 @@ from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
-from hitab_ros import SignsOfLife, names, qos
+from hitab_ros import SignsOfLife, qos
 
 SECONDS = 30.0
 SWARM = """\

@@ -34,7 +34,7 @@ from hitab_ros.checks import BadMessage, check
 from hitab_ros.conversions import (
     cost_message,
     feature_message,
-    fill_in,
+    message_of,
     number_messages,
 )
 
@@ -75,8 +75,8 @@ class AgentServices:
     def _serve(self, kind: type[Operation], request: Any, response: Any) -> Any:
         """Carry out the operation of a request; the reply has the status after it."""
         try:
-            fill_in(response, self._node.do(from_dict(kind, request)))
-            response.success = True
+            outcome = self._node.do(from_dict(kind, request))
+            response = message_of(type(response), outcome, success=True)
         except HitabError as error:
             refuse(response, error)
         response.status = self._node.status.message

@@ -9,7 +9,7 @@ from sensor_msgs.msg import Joy
 
 from hitab_client import SwarmError
 from hitab_client.demonstrating import Demonstrator, KeyboardInput
-from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, RELAY_TIMEOUT_S
+from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import BoundedNumber
 from hitab_core.operation import Operation

@@ -23,7 +23,7 @@ from hitab_core import (
 )
 from hitab_core.assistant import TrainingCost
 from hitab_core.codec import from_dict
-from hitab_core.operation import Operation, Outcome
+from hitab_core.operation import Operation
 from hitab_core.orders import Order
 
 
@@ -91,13 +91,6 @@ def request_of(operation: Operation) -> Any:
     `hitab_core.codec.from_dict` reads it.
     """
     return message_of(getattr(srv, type(operation).__name__).Request, operation)
-
-
-def fill_in(response: Any, outcome: Outcome) -> None:
-    """Write an outcome into the reply to a request, as far as the reply has its fields."""
-    kinds: Any = (type(response), type(outcome))
-    for name, write in _shared(*kinds):
-        setattr(response, name, write(getattr(outcome, name)))
 
 
 def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:

@@ -32,12 +32,12 @@ from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
 from hitab_core import ExampleKind, HitabError, quantity, some
+from hitab_core.operation import Operation
 from hitab_core.operations import (
     BeginTraining,
     Command,
     DiscardTraining,
     Distribute,
-    Operation,
     Perform,
     SaveBehavior,
 )

@@ -14,10 +14,10 @@ from hitab_client import console
 from hitab_client.cli_options import AgentName, SwarmName
 from hitab_client.cli_remedies import called
 from hitab_core import has, quantity
+from hitab_core.operation import Operation
 from hitab_core.operations import (
     BeginTraining,
     DiscardTraining,
-    Operation,
     Redo,
     SaveBehavior,
     SetCaution,
