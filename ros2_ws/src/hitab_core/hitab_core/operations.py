@@ -32,6 +32,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
+from hitab_core import library, training
 from hitab_core.errors import LibraryError, TrainingError, VocabularyError
 from hitab_core.library.expectation import broken_expectations
 from hitab_core.mode import Mode

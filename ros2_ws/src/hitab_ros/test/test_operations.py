@@ -6,9 +6,10 @@ from typing import Any
 import pytest
 from hitab_msgs import msg, srv
 
+from hitab_core.codec import from_dict
 from hitab_core.operation import Operation, Outcome
 from hitab_core.operations import OPERATIONS
-from hitab_ros.conversions import fill_in, operation_of, request_of
+from hitab_ros.conversions import message_of, request_of
 
 KINDS = {
     "str": {"string"},
@@ -66,15 +67,14 @@ def test_a_command_on_the_topic_has_the_fields_of_the_service() -> None:
 
 @pytest.mark.parametrize("kind", OPERATIONS.values(), ids=OPERATIONS)
 def test_an_operation_arrives_as_it_was_sent(kind: type[Operation]) -> None:
-    given = {name: VALUES[of] for name, of in kind.own_fields().items()}
+    given = {name: VALUES[str(field.type)] for name, field in kind.own_fields().items()}
     sent = kind(**given, id="5f", by="ann")
-    assert operation_of(kind, request_of(sent)) == sent
+    assert from_dict(kind, request_of(sent)) == sent
 
 
 def test_an_outcome_fills_in_what_the_answer_has() -> None:
     outcome = Outcome("done", digest="d", left="Start", examples=[1, 2], trimmed=["A"])
-    saved, taught = srv.SaveBehavior.Response(), srv.Command.Response()
-    fill_in(saved, outcome)
-    fill_in(taught, outcome)
+    saved = message_of(srv.SaveBehavior.Response, outcome)
+    taught = message_of(srv.Command.Response, outcome)
     assert (saved.message, saved.digest, list(saved.trimmed)) == ("done", "d", ["A"])
     assert (taught.left, list(taught.examples)) == ("Start", [1, 2])

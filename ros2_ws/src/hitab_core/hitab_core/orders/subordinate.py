@@ -197,10 +197,16 @@ class Subordinate:
         self._reported_cycle = self.agent.cycle
         self._beaten = True
         values = tuple(NAN if read is None else value_or_nan(read) for read in self._readers)
-        *activity, episode, seed, number = doing
+        epoch, sequence, waits, mode, stopped, path, flags, episode, seed, number = doing
         return Report(
             self.agent.name,
-            *activity,
+            epoch,
+            sequence,
+            waits,
+            mode,
+            stopped,
+            path,
+            flags,
             values=values,
             position=self._position(),
             cycle=self.agent.cycle,
