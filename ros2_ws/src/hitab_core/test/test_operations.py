@@ -21,6 +21,7 @@ from hitab_core.operations import (
     Test,
     Undo,
 )
+from hitab_core.training.agent_database import AgentDatabase
 from hitab_core.training.training_journal import TrainingJournal
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
@@ -159,6 +160,19 @@ def test_a_save_whose_process_was_killed_before_it_ended_the_training_counts(
     assert cart.agent.do(operation).message == "done before the restart"
     assert cart.agent.training == ""
     assert cart.state[2]
+
+
+def test_a_training_is_discarded_in_one_transaction(
+    cart: Cart, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A kill between two would leave a training that is answered to be discarded."""
+    cart.taught()
+    begun, transaction = [], AgentDatabase.transaction
+    monkeypatch.setattr(
+        AgentDatabase, "transaction", lambda *a, **k: begun.append(1) or transaction(*a, **k)
+    )
+    cart.agent.do(DiscardTraining(id="1"))
+    assert len(begun) == 1
 
 
 def _killed(*_: Any) -> None:
