@@ -212,6 +212,21 @@ def test_what_a_broken_connection_has_lost_is_asked_again_in_order(swarm, person
 
 
 @needs_browser
+def test_what_is_sent_again_since_its_confirmation_was_lost_is_done_once(swarm, person):
+    begin(person, "Deaf")
+    confirmed = "window.confirmed = (window.confirmed || 0) + 1"
+    deaf = f"window.hears = window.studioHeard; window.studioHeard = () => {{ {confirmed}; }}"
+    person.page.evaluate(deaf)
+    person.click("do-GoFast")
+    person.waits_until(lambda: person.page.evaluate("window.confirmed > 2"), "it was sent again")
+    person.page.evaluate("window.studioHeard = window.hears")
+    person.click("do-Stop")
+    person.sees("counts", "4 examples")
+    of_commands = {e.command: e.next_state for e in reversed(present_training(swarm).examples)}
+    assert list(of_commands.values())[::-1] == ["GoFast", "Stop"]
+
+
+@needs_browser
 def test_who_is_faster_than_the_page_may_undo_the_first_command(swarm, person):
     begin(person, "Fast")
     key = person.page.locator('[data-test="do-GoFast"] kbd').inner_text().lower()
