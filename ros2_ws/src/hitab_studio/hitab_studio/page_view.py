@@ -202,7 +202,7 @@ class PageView:
                     task.add_done_callback(self._urgent.discard)
                 else:
                     self._requests.add(data)
-            self._page.send({"t": "heard", "id": data["id"]})
+        self._page.send({"t": "heard", "id": requests[-1]["id"]})
 
     async def _perform(self) -> None:
         """Handle requests until the page is closed, and complete the current one."""

@@ -72,12 +72,8 @@ async def _commanded(
         seen: the world's cycle that the page showed when the person pressed the key.
         seconds: timeout for the answer; discovery of a restarted agent takes time.
     """
-    agent, behavior, by, learns = (
-        page.take_agent(),
-        sent.behavior,
-        page.demonstrator,
-        page.is_training,
-    )
+    agent, behavior = page.take_agent(), sent.behavior
+    by, learns = page.demonstrator, page.is_training
     page.lost = None
     try:
         await page.ask(
