@@ -91,6 +91,12 @@ def entity(swarm: Any, name: str) -> Any:
     return next(e for e in swarm.world.state.entities if e.name == name)
 
 
+def present_training(swarm: Any, **options: Any) -> Any:
+    """Return the training of the first keeper, with what a page has changed meanwhile."""
+    swarm.link.spin_until(lambda: False, 0.1)
+    return swarm.agents.training(ONE, **options)
+
+
 def free_port() -> int:
     """Return a port that nobody uses at the moment."""
     with socket.socket() as probe:

@@ -10,7 +10,17 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, studio, visitor
+from browsing import (
+    ONE,
+    TWO,
+    Person,
+    away_from_everybody,
+    entity,
+    needs_browser,
+    present_training,
+    studio,
+    visitor,
+)
 from proxy import PATH, proxy
 
 from hitab_client.users import user_name
@@ -97,7 +107,7 @@ def test_a_double_click_commands_once_and_steps_twice(swarm, person):
     person.page.dblclick('[data-do="step"]')
     person.waits_until(lambda: entity(swarm, ONE) and swarm.world.state.cycle == cycle + 2, "two")
     # What a page asks for is done in order: by now, all that the first double click has asked.
-    assert [e.kind for e in swarm.agents.training(ONE).examples] == [
+    assert [e.kind for e in present_training(swarm).examples] == [
         "demonstrated",
         "default",
     ]
@@ -106,8 +116,9 @@ def test_a_double_click_commands_once_and_steps_twice(swarm, person):
 @needs_browser
 def test_the_target_of_a_behavior_is_given_by_clicking_it_in_the_field(swarm, person):
     away_from_everybody(swarm, 5.0)
-    chase = {"features": ["DistanceTo(A)"], "parameters": ["A"], "arguments": ["closest_keeper"]}
-    swarm.agents.begin(ONE, "Chase", discard=True, **chase)
+    parameters = {"A": "closest_keeper"}
+    chase = BeginTraining("Chase", ["DistanceTo(A)"], parameters=parameters, discard=True)
+    swarm.agents.do(ONE, chase)
     swarm.agents.do(ONE, Command("GoFast"))
     swarm.agents.do(ONE, SaveBehavior())
     person.click(f"agent-{ONE}")
@@ -135,10 +146,10 @@ def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_chan
     person.click("delete-3")
     person.does_not_see("example-3")
     assert "always: GoSlow" in person.text("effect")
-    assert 3 not in [e.number for e in swarm.agents.training(ONE).examples]
+    assert 3 not in [e.number for e in present_training(swarm).examples]
     person.click("undo")
     person.sees("example-3")
-    assert 3 in [e.number for e in swarm.agents.training(ONE).examples]
+    assert 3 in [e.number for e in present_training(swarm).examples]
 
 
 @needs_browser

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from browsing import ONE, THREE, TWO, away_from_everybody, begin, needs_browser
+from browsing import THREE, TWO, away_from_everybody, begin, needs_browser, present_training
 
 
 @needs_browser
@@ -47,4 +47,4 @@ def test_generations_of_a_team_are_made_listed_and_undone(swarm, person):
     person.sees("making", "Done: keeper_1 is being trained further.")
     person.page.keyboard.press("Escape")
     person.sees("counts", "2 examples")
-    assert len(swarm.agents.training(ONE).examples) == 2
+    assert len(present_training(swarm).examples) == 2

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from browsing import ONE, away_from_everybody, begin, needs_browser
+from browsing import ONE, away_from_everybody, begin, needs_browser, present_training
 from keepers import trained_keepers
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
@@ -36,7 +36,7 @@ def nothing_is_trained(swarm):
 def shown(swarm):
     """Return the numbers of the examples that have some."""
     swarm.link.spin_until(lambda: swarm.agents.statuses[ONE].training.revision, 10.0)
-    return [e.numbers for e in swarm.agents.training(ONE).examples if e.numbers]
+    return [e.numbers for e in present_training(swarm).examples if e.numbers]
 
 
 @needs_browser

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 
 import pytest
-from browsing import ONE, away_from_everybody, begin, needs_browser
+from browsing import ONE, away_from_everybody, begin, needs_browser, present_training
 
 from hitab_client.errors import SwarmError
 from hitab_core.operations import DiscardTraining, SetCaution
@@ -31,11 +31,11 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
 
     def contradicted() -> bool:
         return any(
-            "which holds" in q.text for q in swarm.agents.training(ONE, searched=True).questions
+            "which holds" in q.text for q in present_training(swarm, searched=True).questions
         )
 
     person.sees("questions", "which holds?")
-    number = swarm.agents.training(ONE, searched=True).questions[0].number
+    number = present_training(swarm, searched=True).questions[0].number
     proposed = person.page.wait_for_selector(f'[data-test="question-{number}"] button.strong')
     assert proposed.inner_text().split() == ["GoSlow", "A"]
     person.sees(f"question-{number}", "instead of GoSlow or Stop")
@@ -43,7 +43,7 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     person.waits_until(lambda: not contradicted(), "it was not answered")
     assert all(
         e.next_state != "Stop" or e.kind == "default"
-        for e in swarm.agents.training(ONE).examples
+        for e in present_training(swarm).examples
         if e.state == "GoFast"
     )
     person.does_not_see(f"question-{number}")

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
-from browsing import ONE, Person, away_from_everybody, needs_browser, studio
+from browsing import ONE, Person, away_from_everybody, needs_browser, present_training, studio
 from keepers import trained_keepers
 from waiting import hanging, pid_of
 
@@ -68,7 +68,7 @@ def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, traini
     training.click("send-again")
     training.does_not_see("lost")
     training.sees("counts", "4 examples")
-    listed = swarm.agents.training(ONE).examples
+    listed = present_training(swarm).examples
     assert [e.next_state for e in listed if e.kind != "default"] == ["GoFast", "Stop"]
 
 

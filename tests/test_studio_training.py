@@ -6,7 +6,16 @@ import contextlib
 from typing import Any
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, begin, needs_browser, visitor
+from browsing import (
+    ONE,
+    TWO,
+    Person,
+    away_from_everybody,
+    begin,
+    needs_browser,
+    present_training,
+    visitor,
+)
 
 from hitab_client.errors import SwarmError
 from hitab_core.operations import DiscardTraining
@@ -147,13 +156,13 @@ def late(swarm: Any, person: Person) -> tuple[Person, int]:
 
 def stopped(swarm: Any) -> Any:
     """Return the example of the command to stop."""
-    return next(e for e in swarm.agents.training(ONE).examples if e.next_state == "Stop")
+    return next(e for e in present_training(swarm).examples if e.next_state == "Stop")
 
 
 @needs_browser
 def test_a_command_counts_for_what_its_person_saw_before(swarm, late):
     person, shown = late
-    go, stop = swarm.agents.training(ONE).examples[::2]
+    go, stop = present_training(swarm).examples[::2]
     assert go.ago == 0.0, "the world was paused: nothing had changed meanwhile"
     assert stop.cycle < shown, "nobody reacts at once"
     assert stop.ago > 0.0
@@ -197,9 +206,24 @@ def test_what_a_broken_connection_has_lost_is_asked_again_in_order(swarm, person
     person.waits_until(lambda: person.page.evaluate("window.lost"), "it was sent")
     person.click("do-GoSlow")
     person.sees("counts", "6 examples")
-    listed = swarm.agents.training(ONE).examples
+    listed = present_training(swarm).examples
     of_commands = {e.command: e.next_state for e in reversed(listed)}
     assert list(of_commands.values())[::-1] == ["GoFast", "Stop", "GoSlow"]
+
+
+@needs_browser
+def test_what_is_sent_again_since_its_confirmation_was_lost_is_done_once(swarm, person):
+    begin(person, "Deaf")
+    confirmed = "window.confirmed = (window.confirmed || 0) + 1"
+    deaf = f"window.hears = window.studioHeard; window.studioHeard = () => {{ {confirmed}; }}"
+    person.page.evaluate(deaf)
+    person.click("do-GoFast")
+    person.waits_until(lambda: person.page.evaluate("window.confirmed > 2"), "it was sent again")
+    person.page.evaluate("window.studioHeard = window.hears")
+    person.click("do-Stop")
+    person.sees("counts", "4 examples")
+    of_commands = {e.command: e.next_state for e in reversed(present_training(swarm).examples)}
+    assert list(of_commands.values())[::-1] == ["GoFast", "Stop"]
 
 
 @needs_browser
@@ -210,9 +234,9 @@ def test_who_is_faster_than_the_page_may_undo_the_first_command(swarm, person):
     person.page.mouse.down()  # the page stays as it is until the finger is up
     for pressed in (key, "u"):
         person.page.keyboard.press(pressed)
-    person.waits_until(lambda: swarm.agents.training(ONE).undone, "it is undone")
+    person.waits_until(lambda: present_training(swarm).undone, "it is undone")
     person.page.mouse.up()
-    assert not swarm.agents.training(ONE).examples
+    assert not present_training(swarm).examples
 
 
 # -- second thoughts --------------------------------------------------------------------------
@@ -230,11 +254,11 @@ def test_features_are_exchanged_after_a_look_at_what_would_be_learned(swarm, per
     person.tick("feature-BallIsKickable")
     person.page.uncheck('[data-test="feature-DistanceTo(ball)"]')
     person.sees("features-effect", "+ GoFast: if BallIsKickable")
-    labels = swarm.agents.training(ONE).feature_labels
+    labels = present_training(swarm).feature_labels
     assert labels == ("DistanceTo(ball)",), "nothing was done yet"
     person.click("features-accept")
     person.sees("recorded", "BallIsKickable")
-    assert swarm.agents.training(ONE).feature_labels == ("BallIsKickable",)
+    assert present_training(swarm).feature_labels == ("BallIsKickable",)
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     person.sees("recorded", "DistanceTo(ball)")

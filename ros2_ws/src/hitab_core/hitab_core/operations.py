@@ -237,7 +237,7 @@ class RelabelExamples(Operation):
         """Change the examples."""
         session = _training(agent)
         session.relabel(self.numbers, Term.parse(self.next_state))
-        return _edited(session, session.log.history.done[-1])
+        return _edited(session)
 
 
 @dataclass(frozen=True)
@@ -507,8 +507,9 @@ def _unsaved(agent: Agent) -> str:
 
 
 def _edited(session: TrainingSession, done: str = "") -> Outcome:
+    done = done or (session.log.history.done or ["nothing"])[-1]
     count = quantity(len(session.log), "example")
-    return Outcome("; ".join(filter(None, [done, f'"{session.curriculum.name}" has {count}'])))
+    return Outcome(f'{done}; "{session.curriculum.name}" has {count}')
 
 
 def _open_questions(agent: Agent) -> str:

@@ -33,7 +33,11 @@ class SwarmError(HitabError):
     """A swarm that does not start, does not answer or refuses."""
 
 
-def refused(answer: Any, where: str = "") -> SwarmError:
+class Refusal(SwarmError):
+    """An answer of a service that has not done what was asked."""
+
+
+def refused(answer: Any, where: str = "") -> Refusal:
     """Return the error for a refusing answer of a service.
 
     Args:
@@ -42,7 +46,7 @@ def refused(answer: Any, where: str = "") -> SwarmError:
     """
     from hitab_ros.conversions import remedies_of  # here because the help imports this module
 
-    return SwarmError(answer.message, *remedies_of(answer.remedies), where=where)
+    return Refusal(answer.message, *remedies_of(answer.remedies), where=where)
 
 
 @types.coroutine
@@ -218,7 +222,7 @@ class Caller:
             heard: called with the answer, also if it is a refusal.
 
         Raises:
-            SwarmError: if the service is missing, does not answer, or refuses.
+            SwarmError: if the service is missing or does not answer; a `Refusal` if it refuses.
         """
         self.will_call(kind, service)
         client = self._clients[service]

@@ -18,6 +18,7 @@ from hitab_msgs.msg import TransitionEvent
 
 from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Term
+from hitab_core.operations import Command, Perform, TakeOver, Test, Undo
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import blocking
 from hitab_ros.timing import REFRESH_S, REPEAT_S
@@ -32,6 +33,9 @@ PROBED_MAX = 200
 
 SHELF_MAX = 40
 """Trained behaviors read in advance, before a page shows them."""
+
+FIRST_ASKED = (Command, Perform, TakeOver, Test, Undo)
+"""Operations on an agent that is viewed, whose first key press waits for no discovery."""
 
 
 @dataclass(frozen=True)
@@ -90,12 +94,14 @@ class AgentWatch:
         self._failed = failed
         self._asking: dict[str, asyncio.Task[None]] = {}
         self._next_read = 0.0
-        self._library_key: tuple[Any, ...] = ()
+        self._digest = ""
         self._trained = ""
         self._wanted: set[str] = set()
         self._current: set[str] = set()  # behaviors read since the last change of the library
         self._probing = False
         agents.watch_training(agent)
+        for kind in FIRST_ASKED:
+            agents.will_do(agent, kind)
 
     def close(self) -> None:
         """Stop watching."""
@@ -120,9 +126,9 @@ class AgentWatch:
         # Saving an unchanged behavior changes its version and description, but not the digest.
         ended = bool(self._trained) and not status.training.automaton
         self._trained = status.training.automaton
-        library_key = (status.library_digest, status.distribution)
-        if library_key != self._library_key or ended or not self.known.vocabulary.domain:
-            self._library_key = library_key
+        digest = status.library_digest
+        if digest != self._digest or ended or not self.known.vocabulary.domain:
+            self._digest = digest
             self._current.clear()
             self._ask("vocabulary", SwarmClient.vocabulary, self._take_vocabulary)
         self._take_training(

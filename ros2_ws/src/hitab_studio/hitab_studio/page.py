@@ -7,25 +7,32 @@ import json
 import logging
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
-from hitab_client.demonstrating import UnseenOutcomes, behavior_keys
+from hitab_client.demonstrating import behavior_keys
+from hitab_core.operations import Operation
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.call import Turns, blocking
+from hitab_ros.call import Turns
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.field_frame import EMPTY, FieldFrame
 from hitab_studio.launcher import NONE, Launcher
 from hitab_studio.notices import Notices
-from hitab_studio.page_parts import ExamplesTable, Making, MissingTargets, ShownNumbers
+from hitab_studio.page_parts import (
+    ExamplesTable,
+    LostCommand,
+    Making,
+    MissingTargets,
+    ShownNumbers,
+)
 from hitab_studio.person_names import distinct
 from hitab_studio.replay import ReplayPlayer
 from hitab_studio.scene import Palette, frame, roster, said_message
 from hitab_studio.swarm_link import Connected, SwarmLink
 from hitab_studio.swarm_state import SwarmState
-from hitab_studio.unanswered_command import UnansweredCommand
 
 T = TypeVar("T")
 
@@ -96,8 +103,8 @@ class Page:
         folds: opened (true) and closed commanders in the list of agents, by name.
         shown_numbers: the behavior whose form of numbers is open; None if none.
         missing_targets: the commanded behavior that still needs targets; None if none.
-        lost: the last command, if not acknowledged by the agent; None otherwise.
-        unseen: outcomes of commands that the page has not shown yet.
+        lost: the last command, if the agent has not answered it; None otherwise.
+        not_taken: behaviors of commands that were not taken, by agent, until the page can show it.
         dialog: the open dialog, with the values of its template; {} if none.
         player: the player of the open recording; None if none.
         messages: notices of successes and failures.
@@ -120,8 +127,8 @@ class Page:
         self.folds: dict[str, bool] = {}
         self.missing_targets: MissingTargets | None = None
         self.shown_numbers: ShownNumbers | None = None
-        self.lost: UnansweredCommand | None = None
-        self.unseen = UnseenOutcomes()
+        self.lost: LostCommand | None = None
+        self.not_taken: dict[str, str] = {}
         self.table = ExamplesTable()
         self.dialog: dict[str, Any] = {}
         self.behavior = ""
@@ -339,19 +346,21 @@ class Page:
         """Hold the viewed agent for a request; return its name.
 
         Raises:
-            SwarmError: if no agent is viewed, the agent does not answer, or another demonstrator
-                holds the agent.
+            SwarmError: if no agent is viewed, the agent does not answer, another demonstrator
+                holds the agent, or a command before was not taken, which the person had not seen.
         """
         if self.agent_off:
             raise SwarmError(self.agent_off)
+        if behavior := self.not_taken.get(self.agent):
+            # An undo, for example, was meant for that command, not for the one before.
+            raise SwarmError(f"Left out what was pressed after {behavior}, which was not taken.")
         self.hold(self.agent)
         return self.agent
 
-    async def request(self, verb: blocking[Any, ..., T], *given: Any, **fields: Any) -> T:
-        """Call a verb of the swarm's client for the agent; see `ask_agent`."""
-        return await self.ask_agent(
-            lambda swarm, agent: verb.coroutine(swarm.agents, agent, *given, **fields)
-        )
+    async def do(self, operation: Operation) -> Any:
+        """Have the agent carry out an operation of the page's demonstrator; see `ask_agent`."""
+        named = replace(operation, by=self.demonstrator)
+        return await self.ask_agent(lambda swarm, agent: swarm.agents.do.coroutine(agent, named))
 
     def hold(self, agent: str) -> None:
         """Hold an agent, or keep holding it.
@@ -386,13 +395,6 @@ class Page:
             self.dialog["refused"] = why
         else:
             self.tell(why, kind)
-
-    def settle(self) -> None:
-        """Withdraw the offer to send a lost command again once the agent has taken it."""
-        lost = self.lost
-        if lost is not None and lost.is_taken(self.studio.known):
-            self.lost = None
-            self.tell(f"{lost.agent} has taken {lost.behavior} after all")
 
     def drop_old_messages(self) -> None:
         """Remove expired messages."""

@@ -3,6 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
+
+
+class LostCommand(NamedTuple):
+    """A command that its agent may not have received.
+
+    Attributes:
+        agent: receiver of the command.
+        behavior: the commanded behavior, with targets and numbers.
+        id: identity of the command, the same when it is sent again.
+    """
+
+    agent: str
+    behavior: str
+    id: str
 
 
 @dataclass

@@ -14,6 +14,7 @@ from nicegui.element import Element
 
 from hitab_client import Training
 from hitab_core import HitabError
+from hitab_core.operations import Outcomes
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.timing import REFRESH_S, REPEAT_S
 from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data
@@ -65,7 +66,7 @@ class RequestQueue:
         """Add a request of the page."""
         if not isinstance(data, Mapping):
             return
-        asked = {key: value for key, value in data.items() if key not in ("again", "nth")}
+        asked = {key: value for key, value in data.items() if key != "again"}
         off = asked.pop("off", "")
         if off and not self.waiting and time.monotonic() > self._shown_at:
             asked = {"do": "why", "reason": off}
@@ -93,13 +94,14 @@ class RequestQueue:
             self.waiting.remove(data)
             self._shown_at = time.monotonic() + REPEAT_S
             if not self.waiting:
-                page.unseen.clear()
+                page.not_taken.clear()
             done()
 
 
 def _same(one: Data, other: Data) -> bool:
-    """Whether two requests are equal, apart from the cycle and the keys that the page showed."""
-    return {**one, "seen": 0, "hotkey": ""} == {**other, "seen": 0, "hotkey": ""}
+    """Whether two requests are equal, apart from identity, and cycle and keys that were shown."""
+    apart = {"id": "", "seen": 0, "hotkey": ""}
+    return {**one, **apart} == {**other, **apart}
 
 
 async def perform(page: Page, data: Data) -> None:
@@ -154,7 +156,7 @@ class PageView:
         self._count = 0
         self._draws_from = 0.0
         self._requests = RequestQueue()
-        self._heard = 0
+        self._heard = Outcomes()
         self._urgent: set[asyncio.Task[None]] = set()
         self._broken: dict[str, str] = {}
         self._build()
@@ -176,30 +178,29 @@ class PageView:
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(PagePanel("overlay"))
                 ui.element("div").props('id="field-report" role="status"').classes("unseen")
-        ui.on("studio", lambda event: self._receive(event.args))
+        ui.on("studio", lambda event: self._receive(event.args["requests"]))
         self._refresh()
         ui.timer(REFRESH_S, self._refresh)
         self._performing = asyncio.create_task(self._perform())
         self._client.on_delete(self._requests.close)
         page.leave = self._requests.close
 
-    def _receive(self, data: Any) -> None:
-        """Queue a request, or handle it at once if urgent.
+    def _receive(self, requests: Any) -> None:
+        """Queue requests, or handle them at once if urgent.
 
-        The page numbers its requests. A repeated one is dropped, and so is one after a gap: the
-        page sends it again.
+        The page sends all requests that were not confirmed yet, in the person's order, so that
+        none is lost with a connection. Those that were heard before are only confirmed.
         """
-        is_next = isinstance(data, Mapping) and data.get("nth") == self._heard + 1
-        self._heard += is_next
-        self._page.send({"t": "heard", "nth": self._heard})
-        if not is_next:
-            return
-        if not is_urgent(data):
-            self._requests.add(data)
-            return
-        task = asyncio.create_task(perform(self._page, data))
-        self._urgent.add(task)
-        task.add_done_callback(self._urgent.discard)
+        for data in requests:
+            if data["id"] not in self._heard:
+                self._heard.keep(data["id"], data)
+                if is_urgent(data):
+                    task = asyncio.create_task(perform(self._page, data))
+                    self._urgent.add(task)
+                    task.add_done_callback(self._urgent.discard)
+                else:
+                    self._requests.add(data)
+        self._page.send({"t": "heard", "id": requests[-1]["id"]})
 
     async def _perform(self) -> None:
         """Handle requests until the page is closed, and complete the current one."""

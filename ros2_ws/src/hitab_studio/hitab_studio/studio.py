@@ -99,8 +99,6 @@ class Studio(StudioState):
         if before.target is not None and known.target != before.target:
             self._close_dialogs(before.target)
         self._forget_former(known)
-        for page in self.pages.values():
-            page.settle()
         scene = known.shown
         moves = scene is not before.shown
         # In a paused world, too, colors show the states of agents and whether they answer.

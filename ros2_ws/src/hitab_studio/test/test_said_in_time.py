@@ -4,15 +4,18 @@ import asyncio
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
-from hitab_msgs.msg import AgentStatus
+import pytest
+from hitab_msgs.msg import AgentStatus, TrainingStatus
 
 from hitab_client import Learned, SwarmError
 from hitab_core import Example, Term
 from hitab_core.example import ExampleKind
-from hitab_ros.call import blocking
+from hitab_core.operations import BeginTraining, Operation
+from hitab_ros.call import Refusal, blocking
 from hitab_studio.actions import teaching_actions
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.page import Page
+from hitab_studio.page_parts import LostCommand
 from hitab_studio.page_view import RequestQueue, perform
 from hitab_studio.received_vocabulary import Vocabulary
 from hitab_studio.studio import Studio
@@ -60,24 +63,39 @@ def keeper(status: AgentStatus | None = None, **watched: Any) -> SwarmState:
 # -- a command that was not taken, while more was asked for -----------------------------------
 
 
-def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else(monkeypatch):
+@pytest.mark.parametrize("is_refused", [True, False])
+def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else(
+    monkeypatch, is_refused
+):
     """Undo took back the command before it, and the offer to send it again went to the next."""
     done: list[str] = []
-    status = AgentStatus(agent=ONE, mode="training", training="Chase")
+    ids: list[str] = []
+    training = TrainingStatus(automaton="Chase")
+    status = AgentStatus(agent=ONE, mode="training", training=training)
+    failing = ["Stop"]
 
-    async def command(agents: Any, world: Any, agent: str, behavior: str, **_: Any) -> None:
+    async def command(*given: Any, id: str, by: str, **_: Any) -> None:
+        assert by == "Anna"
+        behavior = given[-1]
         if behavior == "Stop":
-            raise SwarmError("keeper_1 did not acknowledge the command within 2 s")
+            ids.append(id)
+        if behavior in failing:
+            raise Refusal("it is stopped") if is_refused else SwarmError("no answer within 2 s")
         done.append(behavior)
 
-    async def edit(*_: Any) -> None:
-        done.append("undo")
+    async def do(agent: str, operation: Operation) -> Any:
+        assert operation.by == "Anna"
+        done.append(operation.name)
+        return SimpleNamespace(message="done", remedies=[])
 
     async def term(page: Page) -> None:
-        async def ask_agent(job: Any) -> None:
-            await job(SimpleNamespace(agents=SimpleNamespace(_edit=edit), world=None), ONE)
+        page.set_demonstrator("Anna")
+        agents = SimpleNamespace(do=SimpleNamespace(coroutine=do))
 
-        monkeypatch.setattr(page, "ask_agent", ask_agent)
+        async def asked(what: Any, needs: str = "") -> Any:
+            return await what(SimpleNamespace(agents=agents, world=None))
+
+        monkeypatch.setattr(page, "ask", asked)
         monkeypatch.setattr(teaching_actions.demonstrating, "command", blocking(command))
         requests, seen = RequestQueue(), asyncio.Event()
         performing = asyncio.create_task(
@@ -86,18 +104,27 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
 
         async def ask(*asked: str) -> None:
             for what in asked:
-                is_edit = what in ("undo", "earlier")
-                requests.add({"do": what} if is_edit else {"do": "command", "behavior": what})
+                is_command = what[0].isupper()
+                requests.add({"do": "command", "behavior": what} if is_command else {"do": what})
             seen.clear()
             await asyncio.wait_for(seen.wait(), 30.0)
 
         await ask("GoFast", "Stop", "earlier", "GoSlow", "undo", "undo")
         assert done == ["GoFast"]
-        assert page.lost is not None
-        assert page.lost.behavior == "Stop"
-        said = [message.text for message in page.messages.shown]
-        assert "GoSlow is left out: Stop was not taken" in said
-        assert said[-1] == "undo is left out: the last command was not taken"
+        (said,) = [m for m in page.messages.shown if "Left out" in m.text]
+        assert said.text == "Left out what was pressed after Stop, which was not taken."
+        assert said.times == 4
+        if is_refused:
+            assert page.lost is None
+        else:
+            assert page.lost is not None
+            assert page.lost.behavior == "Stop"
+            failing.clear()
+            await ask("send-again")
+            assert page.lost is None
+            assert len(ids) == 2
+            assert ids[0] == ids[1] != "", "it would be done twice"
+            assert done.pop() == "Stop"
         await ask("undo", "GoSlow", "undo")
         assert done == ["GoFast", "undo", "GoSlow", "undo"]
         requests.close()
@@ -112,8 +139,8 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
     async def term(page: Page) -> None:
         done: list[str] = []
 
-        async def commanded(page: Page, behavior: str, seen: int) -> None:
-            done.append(behavior)
+        async def commanded(page: Page, sent: LostCommand, seen: int) -> None:
+            done.append(sent.behavior)
 
         monkeypatch.setattr(teaching_actions, "_commanded", commanded)
         await perform(page, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
@@ -134,11 +161,13 @@ def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch)
     async def term(page: Page) -> None:
         begun = []
 
-        async def ask_agent(job: Any) -> None:
-            begun.append(job)
+        async def do(operation: Operation) -> Any:
+            begun.append(operation)
+            return SimpleNamespace(message='training "FetchBall"', remedies=[])
 
-        monkeypatch.setattr(page, "ask_agent", ask_agent)
-        begin = {"do": "begin", "values": {"name": "FetchBall", "features": ["Done"]}}
+        monkeypatch.setattr(page, "do", do)
+        values = {"automaton": "FetchBall", "features": ["Done"], "states": ["Stop"]}
+        begin = {"do": "begin_training", "id": "7", "values": values}
         await perform(page, {"do": "new"})
         await perform(page, begin)
         said = render("dialog", page)
@@ -146,8 +175,8 @@ def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch)
         assert 'data-test="saved-already"' in said
         assert "Begin replaces it" in said
         await perform(page, begin)
-        assert len(begun) == 1
-        assert page.messages.shown[-1].text == "keeper_1 is being trained: FetchBall"
+        assert begun == [BeginTraining("FetchBall", ["Done"], ["Stop"], id="7")]
+        assert page.messages.shown[-1].text == 'training "FetchBall"'
 
     page(keeper(), term)
 

@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from types import SimpleNamespace
 from typing import Any
 
-from hitab_msgs.msg import AgentStatus
+from hitab_msgs.msg import AgentStatus, TrainingStatus
 from hitab_msgs.srv import GetVocabulary
 
 from hitab_studio.agent_watch import AgentWatch
@@ -21,6 +21,8 @@ class Agents:
         self.statuses = {"ann": AgentStatus(mode=AgentStatus.IDLE, library_digest="one")}
         self.trainings: dict[str, Any] = {}
         self.watch_training = lambda agent: None
+        self.prepared: list[str] = []
+        self.will_do = lambda agent, kind: self.prepared.append(kind.name)
 
 
 class Seen:
@@ -60,12 +62,11 @@ def seen(term: Callable[[Seen], Awaitable[None]]) -> None:
     asyncio.run(run())
 
 
-def test_what_was_learned_is_asked_for_when_the_digest_changes_or_something_was_distributed():
+def test_what_was_learned_is_asked_for_when_the_digest_changes():
     async def term(agent: Seen) -> None:
         assert not await agent.look()
         assert not await agent.look(mode=AgentStatus.PERFORMING)
         assert await agent.look(library_digest="two")
-        assert await agent.look(distribution=5)
         assert not await agent.look()
 
     seen(term)
@@ -75,8 +76,16 @@ def test_a_behavior_that_is_saved_again_as_it_was_is_asked_for():
     """The digest is the same, but version and description may differ."""
 
     async def term(agent: Seen) -> None:
-        assert not await agent.look(mode=AgentStatus.TRAINING, training="Chase")
+        chase = TrainingStatus(automaton="Chase")
+        assert not await agent.look(mode=AgentStatus.TRAINING, training=chase)
         assert not await agent.look(mode=AgentStatus.PERFORMING)
-        assert await agent.look(training="")
+        assert await agent.look(training=TrainingStatus())
+
+    seen(term)
+
+
+def test_the_first_key_press_at_an_agent_waits_for_no_discovery():
+    async def term(agent: Seen) -> None:
+        assert {"command", "take_over", "test", "undo"} <= {*agent.agents.prepared}
 
     seen(term)

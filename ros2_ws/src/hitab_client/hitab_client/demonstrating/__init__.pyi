@@ -9,6 +9,5 @@ from .key_actions import toggled as toggled
 from .keyboard import KeyboardInput as KeyboardInput
 from .pressed import KEY_ACTIONS as KEY_ACTIONS
 from .pressed import Pressed as Pressed
-from .pressed import UnseenOutcomes as UnseenOutcomes
 from .steering import STILL as STILL
 from .steering import Velocity as Velocity

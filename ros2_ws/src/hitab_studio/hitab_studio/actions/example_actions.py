@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-from hitab_client import SwarmClient, SwarmError
-from hitab_core import Example, Term, numbered, with_numbers
+from hitab_client import SwarmError
+from hitab_core import Example, Term, with_numbers
+from hitab_core.operations import RelabelExamples
+from hitab_studio.actions.operation_actions import carry_out, meant
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import go_there
 from hitab_studio.page import Page
-
-
-@action("undo", repeats=True)
-async def undo(page: Page, data: Data) -> None:
-    """Undo the last command or edit."""
-    page.unseen.check(page.agent, "undo")
-    await page.request(SwarmClient.undo)
-    page.tell("Undone")
-
-
-@action("redo", repeats=True)
-async def redo(page: Page, data: Data) -> None:
-    """Redo the last undone command or edit."""
-    await page.request(SwarmClient.redo)
-    page.tell("Redone")
 
 
 @action("mark", repeats=True)
@@ -68,34 +55,6 @@ async def examples_column(page: Page, data: Data) -> None:
             table.sort = "number"
 
 
-def _numbers(page: Page, data: Data) -> list[int]:
-    if "number" in data:
-        return [int(data["number"])]
-    if not page.table.marked:
-        raise SwarmError("Choose examples first, by clicking on them.")
-    return sorted(page.table.marked)
-
-
-@action("delete")
-async def delete(page: Page, data: Data) -> None:
-    """Delete examples."""
-    numbers = _numbers(page, data)
-    await page.request(SwarmClient.delete, numbers)
-    page.table.marked.clear()
-    page.tell(f"Deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
-
-
-@action("relabel")
-async def relabel(page: Page, data: Data) -> None:
-    """Change the next state of examples."""
-    numbers, state = _numbers(page, data), str(data["value"])
-    if not state:
-        return
-    answer = await page.request(SwarmClient.relabel, numbers, state)
-    page.table.marked.clear()
-    page.tell(answer.message)
-
-
 @action("renumber")
 async def renumber(page: Page, data: Data) -> None:
     """Change a number in the command of an example."""
@@ -107,9 +66,9 @@ async def renumber(page: Page, data: Data) -> None:
     given = {n.name: value for n, value in zip(numbers, example.numbers, strict=True)}
     name = str(data["name"])
     given[name] = number_from({name: data["value"]}, name)
-    meant = str(with_numbers(state, [given[n.name] for n in numbers], numbers))
-    await page.request(SwarmClient.relabel, [example.number], meant)
-    page.tell(f"Example {example.number} now leads to {meant}")
+    changed = str(with_numbers(state, [given[n.name] for n in numbers], numbers))
+    numbered = [example.number]
+    await carry_out(page, meant(RelabelExamples, page, data, numbers=numbered, next_state=changed))
 
 
 @action("situation")
@@ -131,7 +90,3 @@ def _example(page: Page, data: Data) -> Example | None:
     """Return the example of a request; None if deleted meanwhile."""
     examples = page.training.examples if page.training is not None else ()
     return next((e for e in examples if e.number == int(data["number"])), None)
-
-
-def _them(numbers: list[int]) -> str:
-    return "it" if len(numbers) == 1 else "them"

@@ -1,10 +1,8 @@
-"""Actions that exchange the features of a training; the examples stay."""
+"""Actions of the dialog that exchanges the features of a training; the examples stay."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from hitab_client import SwarmClient, SwarmError
+from hitab_client import SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.example_effects import effect
@@ -23,38 +21,25 @@ async def features_dialog(page: Page, data: Data) -> None:
     page.studio.link.probe(page.agent, on=True)
 
 
-def _chosen(page: Page, values: Iterable[object]) -> tuple[str, ...]:
-    """Return the chosen features, the used ones first and in their order."""
-    wanted = [str(value) for value in values]
-    used = page.dialog["used"]
-    kept = [feature for feature in used if feature in wanted]
-    return (*kept, *(feature for feature in wanted if feature not in used))
-
-
 @action("features-preview", repeats=True)
 async def features_preview(page: Page, data: Data) -> None:
     """Show a preview of the behavior learned from other features."""
     dialog = page.dialog
     if dialog.get("kind") != "features":
         return
-    chosen = _chosen(page, data["values"].get("features", []))
+    chosen = tuple(data["values"].get("features", []))
     dialog |= {"chosen": chosen, "preview": None, "change": None, "problem": ""}
     training = page.training
     if not chosen:
         dialog["problem"] = "Choose at least one feature for the decisions to depend on."
     elif training is not None and any(example.state == START for example in training.examples):
         try:
-            preview = await page.request(SwarmClient.behavior, with_features=list(chosen))
+            preview = await page.ask_agent(
+                lambda swarm, agent: swarm.agents.behavior.coroutine(
+                    agent, with_features=list(chosen)
+                )
+            )
         except SwarmError as error:
             dialog["problem"] = error_text(error)
         else:
             dialog |= {"preview": preview, "change": effect(training, preview)}
-
-
-@action("features-accept")
-async def features_accept(page: Page, data: Data) -> None:
-    """Exchange the features of the training."""
-    chosen = _chosen(page, data["values"].get("features", []))
-    await page.request(SwarmClient.choose_features, chosen)
-    page.close_dialog()
-    page.tell(f"Learned from {', '.join(chosen)} now; Undo brings the former features back")

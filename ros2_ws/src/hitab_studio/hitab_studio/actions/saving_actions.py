@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
 
-from hitab_client import SwarmClient, SwarmError
+from hitab_client import SwarmError
+from hitab_core.operations import Distribute, SaveBehavior
+from hitab_ros.conversions import pairs_message
+from hitab_studio.actions.operation_actions import carry_out, meant
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
-from hitab_studio.ui_remedies import answer_text, error_text
+from hitab_studio.ui_remedies import error_text
 from hitab_studio.unavailable import training_of
-
-
-def _chosen(values: Any) -> dict[str, Any]:
-    """Return the options for saving; values such as ``bind:ball`` turn targets to parameters."""
-    bound = {
-        key.removeprefix("bind:"): str(value).strip()
-        for key, value in values.items()
-        if key.startswith("bind:") and str(value).strip()
-    }
-    return {
-        "bind_from": list(bound),
-        "bind_to": list(bound.values()),
-        "keep_unused": values.get("keep") == "on",
-    }
 
 
 @action("save-dialog")
@@ -35,32 +24,28 @@ async def save_dialog(page: Page, data: Data) -> None:
 @action("save-preview", repeats=True)
 async def save_preview(page: Page, data: Data) -> None:
     """Update the preview for other options."""
+    save = meant(SaveBehavior, page, data)
+    bindings = pairs_message(save.bindings.items())
     try:
-        preview = await page.request(SwarmClient.behavior, trim=True, **_chosen(data["values"]))
+        preview = await page.ask_agent(
+            lambda swarm, agent: swarm.agents.behavior.coroutine(
+                agent, trim=True, bindings=bindings, keep_unused=save.keep_unused
+            )
+        )
     except SwarmError as error:
         page.dialog |= {"preview": None, "problem": error_text(error)}
     else:
         page.dialog |= {"preview": preview, "problem": ""}
 
 
-@action("save")
+@action("save_behavior")
 async def save(page: Page, data: Data) -> None:
     """Save the trained behavior, and show it in the library."""
-    values = data["values"]
-    training = page.dialog.get("training")
-    # The default is the name with which the training began.
-    name = str(values.get("name", "")).strip() or (training.name if training else "")
-    description = str(values.get("description", "")).strip()
-    answer = await page.request(
-        SwarmClient.save, name=name, description=description, **_chosen(values)
-    )
-    left_out = "; unused features and behaviors were left out" if answer.trimmed else ""
-    page.dialog = {}
-    page.tab = "library"
-    page.behavior = name
+    operation = meant(SaveBehavior, page, data)
+    name = operation.automaton or training_of(page).name
+    await carry_out(page, operation)
+    page.tab, page.behavior = "library", name
     page.studio.link.want(page.agent, name)
-    done = f"{answer_text(answer)}{left_out}".split("; ")
-    page.tell("\n".join(done), "good" if len(done) == 1 else "note")
 
 
 @action("library")
@@ -88,15 +73,15 @@ async def versions(page: Page, data: Data) -> None:
 @action("distribute")
 async def distribute(page: Page, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
-    values = data["values"]
-    behavior = page.dialog["name"]
-    receivers = [str(r) for r in values.get("receivers", [])]
-    if not receivers:
+    by, behavior = page.demonstrator, page.dialog["name"]
+    sent = replace(meant(Distribute, page, data, behavior=behavior), by=by)
+    if not sent.receivers:
         raise SwarmError("Choose at least one receiver.")
-    start = values.get("start") == "on"
-    report = await page.request(SwarmClient.distribute, behavior, receivers=receivers, start=start)
+    report = await page.ask_agent(
+        lambda swarm, agent: swarm.agents.distribute.coroutine(agent, sent)
+    )
     page.dialog["report"] = report
     page.tell(
-        f"{behavior}: {len(report.accepted)} of {len(receivers)} have it",
+        f"{behavior}: {len(report.accepted)} of {len(sent.receivers)} have it",
         "bad" if report.missing else "good",
     )

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping
-from typing import Any
+import uuid
 
-from hitab_client import (
-    ACKNOWLEDGE_SECONDS,
-    SwarmClient,
-    SwarmError,
-    demonstrating,
-    is_answered,
-)
+from hitab_client import SwarmError, demonstrating
 from hitab_core import Term, with_numbers
-from hitab_ros.timing import PROMPT_S
+from hitab_core.operations import BeginTraining, DiscardTraining
+from hitab_ros.call import Refusal
+from hitab_ros.timing import ANSWER_S, PROMPT_S
+from hitab_studio.actions.operation_actions import carry_out, meant
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import paused
 from hitab_studio.page import CHOOSE_FIRST, Page
-from hitab_studio.page_parts import MissingTargets, ShownNumbers
-from hitab_studio.swarm_link import Connected
-from hitab_studio.ui_remedies import answer_text
-from hitab_studio.unanswered_command import UnansweredCommand
-from hitab_studio.unavailable import nothing_in_training
+from hitab_studio.page_parts import LostCommand, MissingTargets, ShownNumbers
 
 
 @action("command")
@@ -46,7 +37,7 @@ async def command(page: Page, data: Data) -> None:
         begin = {n.name: min(max(0.0, n.low), n.high) for n in numbers}
         page.shown_numbers = ShownNumbers(behavior, begin)
         return
-    await _commanded(page, behavior, seen)
+    await _commanded(page, LostCommand(page.agent, behavior, _identity(data)), seen)
 
 
 @action("show", repeats=True)
@@ -59,59 +50,51 @@ async def show(page: Page, data: Data) -> None:
         shown.values[name] = number_from(data["values"], name)
     numbers = page.watched.vocabulary.numbers_of(shown.behavior)
     given = [shown.values[number.name] for number in numbers]
-    meant = with_numbers(Term.parse(shown.behavior), given, numbers)
-    await _commanded(page, str(meant), int(data.get("seen") or 0))
+    behavior = str(with_numbers(Term.parse(shown.behavior), given, numbers))
+    sent = LostCommand(page.agent, behavior, _identity(data))
+    await _commanded(page, sent, int(data.get("seen") or 0))
 
 
-async def _commanded(page: Page, behavior: str, seen: int, sequence: int = 0) -> None:
-    """Command a behavior, and offer to send a lost command again.
+def _identity(data: Data) -> str:
+    return str(data.get("id") or uuid.uuid4().hex)
+
+
+async def _commanded(
+    page: Page, sent: LostCommand, seen: int, seconds: float = PROMPT_S
+) -> None:
+    """Command a behavior, and offer to send the command again if it is not answered.
 
     Args:
         page: page of the command.
-        behavior: the behavior, with targets.
+        sent: the command, with the identity that it keeps when it is sent again.
         seen: the world's cycle that the page showed when the person pressed the key.
-        sequence: number of a lost command that is sent again; 0 for a new command.
+        seconds: timeout for the answer; discovery of a restarted agent takes time.
     """
-    agent, number, sent = page.agent, sequence or time.time_ns() // 1000, False
-    taken = False
-    learns = page.is_training
-    # Discovery of an agent that was restarted meanwhile takes time.
-    seconds = ACKNOWLEDGE_SECONDS if sequence else PROMPT_S
-    demonstrator = page.demonstrator
-
-    async def sending(swarm: Connected, agent: str) -> None:
-        nonlocal sent
-        sent = True
-        await demonstrating.command.coroutine(
-            swarm.agents,
-            swarm.world,
-            agent,
-            behavior,
-            seen=seen,
-            sequence=number,
-            seconds=seconds,
-            demonstrator=demonstrator,
-        )
-
+    agent, behavior = page.take_agent(), sent.behavior
+    by, learns = page.demonstrator, page.is_training
+    page.lost = None
     try:
-        if page.lost is not None and page.unseen.there:
-            raise SwarmError(f"{behavior} is left out: {page.lost.behavior} was not taken")
-        page.lost = None
-        await page.ask_agent(sending)
-        taken = True
-    except SwarmError:
-        known = page.studio.known
-        status = known.statuses.get(agent)
-        if not sent or status is None or is_answered(status, number):
+        await page.ask(
+            lambda swarm: demonstrating.command.coroutine(
+                swarm.agents,
+                swarm.world,
+                agent,
+                behavior,
+                seen=seen,
+                id=sent.id,
+                by=by,
+                seconds=seconds,
+            ),
+            agent,
+        )
+    except SwarmError as error:
+        page.not_taken[agent] = behavior
+        if isinstance(error, Refusal):
             raise
-        if not learns and known.answers(agent):
-            raise
-        page.lost = UnansweredCommand(agent, behavior, number if learns else 0)
+        page.lost = sent
     else:
         if not learns:
             page.tell(f"{agent} performs {behavior}")
-    finally:
-        page.unseen.add(agent, taken)
 
 
 @action("send-again")
@@ -120,10 +103,8 @@ async def send_again(page: Page, data: Data) -> None:
     lost = page.lost
     if lost is None:
         return
-    page.lost = None
-    if lost.agent != page.agent:
-        page.look_at(lost.agent)
-    await _commanded(page, lost.behavior, int(data.get("seen") or 0), lost.sequence)
+    page.look_at(lost.agent)
+    await _commanded(page, lost, int(data.get("seen") or 0), ANSWER_S)
 
 
 @action("leave-lost")
@@ -170,42 +151,6 @@ async def target(page: Page, data: Data) -> None:
     await give_target(page, str(data["name"]))
 
 
-@action("toggle")
-async def toggle(page: Page, data: Data) -> None:
-    """Switch between testing the trained behavior and taking over, without a reset."""
-    status = page.status
-    if (
-        status is None
-        or status.mode == "idle"
-        or (status.mode == "performing" and page.training is None)
-    ):
-        raise SwarmError(nothing_in_training(page))
-    mode = demonstrating.other_mode(status)
-    answer = await page.request(SwarmClient.set_mode, mode)
-    if mode == "testing" and status.training.questions:
-        page.tell(answer_text(answer), "note")
-
-
-@action("restart")
-async def restart(page: Page, data: Data) -> None:
-    """Test the trained behavior from Start."""
-    await page.request(SwarmClient.set_mode, "testing", restart=True)
-
-
-@action("idle")
-async def idle(page: Page, data: Data) -> None:
-    """Stop the agent's behavior; a training is kept."""
-    await page.request(SwarmClient.perform, "")
-
-
-@action("perform")
-async def perform_behavior(page: Page, data: Data) -> None:
-    """Perform a behavior of the library from its beginning."""
-    behavior = str(data["behavior"])
-    await page.request(SwarmClient.perform, behavior)
-    page.tell(f"{page.agent} performs {behavior}")
-
-
 @action("take")
 async def take(page: Page, data: Data) -> None:
     """Take the agent from another demonstrator, and notify that person."""
@@ -217,14 +162,6 @@ async def take(page: Page, data: Data) -> None:
     page.studio.touch()
 
 
-@action("release")
-async def release(page: Page, data: Data) -> None:
-    """Release the agent for other demonstrators."""
-    if not page.locked:
-        page.studio.held.pop(page.agent, None)
-    page.studio.touch()
-
-
 @action("new")
 async def new(page: Page, data: Data) -> None:
     """Open the dialog to begin a training."""
@@ -233,27 +170,6 @@ async def new(page: Page, data: Data) -> None:
     name, resume = str(data.get("name", "")), str(data.get("resume", ""))
     page.open_dialog("new", resume=resume, name=name, typed=name, parameter="")
     page.studio.link.probe(page.agent, on=True)
-
-
-@action("discard")
-async def discard(page: Page, data: Data) -> None:
-    """Discard the training; first confirm if examples would be lost."""
-    status = page.status
-    if status is None or not page.is_training:
-        return
-    if status.training.examples:
-        page.open_dialog("discard", name=status.behavior, examples=status.training.examples)
-    else:
-        await discard_now(page, data)
-
-
-@action("discard-now")
-async def discard_now(page: Page, data: Data) -> None:
-    """Discard the training and its examples."""
-    answer = await page.request(SwarmClient.discard)
-    page.dialog = {}
-    page.lost = page.missing_targets = page.shown_numbers = None
-    page.tell(answer_text(answer))
 
 
 @action("new-name", repeats=True)
@@ -273,36 +189,40 @@ async def new_parameter(page: Page, data: Data) -> None:
         page.dialog["parameter"] = str(data["value"]).strip()
 
 
-@action("begin")
+@action("begin_training")
 async def begin(page: Page, data: Data) -> None:
     """Begin a training."""
-    values: Mapping[str, Any] = data["values"]
-    name = str(values.get("name", "")).strip()
+    values = data["values"]
+    parameter = str(values.get("parameter", "")).strip()
+    bound = {parameter: str(values.get("target", ""))} if parameter else {}
+    operation = meant(BeginTraining, page, data, parameters=bound)
+    name = operation.automaton
     if not name:
         raise SwarmError("Give the behavior a name.")
-    parameter = str(values.get("parameter", "")).strip()
-    resume = str(values.get("resume", ""))
-    fields: dict[str, Any] = {
-        "features": [str(f) for f in values.get("features", [])],
-        "states": [str(s) for s in values.get("states", [])],
-        "parameters": [parameter] if parameter else [],
-        "arguments": [str(values.get("target", ""))] if parameter else [],
-        "resume": resume,
-        "discard": values.get("discard") == "on",
-    }
-    if not fields["features"] and not resume:
+    if not operation.features and not operation.resume:
         raise SwarmError(
             "Choose at least one feature for the decisions to depend on: without one, all "
             "situations look the same. You can exchange it later (Features…)."
         )
-    if not resume and name in page.watched.vocabulary.trained:
+    if not operation.resume and name in page.watched.vocabulary.trained:
         shown, page.dialog["typed"] = page.dialog.get("typed"), name
         if shown != name:  # a fast typist has not seen the warning yet
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
-    await page.request(SwarmClient.begin, name, **fields)
-    if values.get("pause") == "on" and await page.ask_world(paused):
+    await carry_out(page, operation)
+    if values.get("pause") and await page.ask_world(paused):
         page.tell("The world is paused; Space lets it run")
-    page.close_dialog()
     page.tab = "teach"
     page.level = page.state = ""
-    page.tell(f"{page.agent} is being trained: {name}")
+
+
+@action("discard_training")
+async def discard(page: Page, data: Data) -> None:
+    """Discard the training; first confirm if examples would be lost."""
+    status = page.status
+    if status is None or not page.is_training:
+        return
+    if status.training.examples and not data.get("sure"):
+        page.open_dialog("discard", name=status.behavior, examples=status.training.examples)
+        return
+    await carry_out(page, meant(DiscardTraining, page, data))
+    page.lost = page.missing_targets = page.shown_numbers = None

@@ -46,7 +46,7 @@ class Field {
     else if (message.t === "roster") this.takeRoster(message);
     else if (message.t === "say") this.takeCalls(message.said);
     else if (message.t === "order") this.orders.push({ ...message, until: performance.now() + 2200 });
-    else if (message.t === "heard") window.studioHeard(message.nth);
+    else if (message.t === "heard") window.studioHeard(message.id);
     else if (message.t === "replay") this.replay = message.on;
     else if (message.t === "chosen") this.chosen = new Set(message.names);
     else if (message.t === "demonstrator") rememberDemonstrator(message.name);

@@ -7,24 +7,20 @@
 //   data-hotkey="k"    pressing the key clicks the element (keys.js)
 //   data-off="why"     the element is unavailable, and shows why; the server decides if it still is
 //
-// The server confirms requests. A request that was lost with a broken connection is sent again, with
-// all later ones.
-let nth = 0;
-let unheard = [];
-let oldest = 0;
+// Each request has an identity, and is sent, with all before it, until the server has confirmed it: so
+// none is lost with a broken connection, and none is carried out twice or out of order.
+const client = `${Date.now().toString(36)}${Math.random().toString(36).slice(2)}`;
+let count = 0;
+let unconfirmed = [];
+const send = () => unconfirmed.length && window.emitEvent("studio", { requests: unconfirmed });
 export function request(what, more = {}) {
   sendTyped(); // the server handles requests in the person's order
-  unheard.push({ do: what, ...more, nth: ++nth });
-  window.emitEvent("studio", unheard.at(-1));
+  unconfirmed.push({ do: what, ...more, id: `${client}.${++count}` });
+  send();
 }
 window.studioTell = request;
-window.studioHeard = (last) => (unheard = unheard.filter((asked) => asked.nth > last));
-setInterval(() => {
-  const before = oldest;
-  oldest = unheard[0]?.nth;
-  if (oldest !== before || !window.socket?.connected) return;
-  for (const asked of unheard) window.emitEvent("studio", asked);
-}, 1000);
+window.studioHeard = (id) => (unconfirmed = unconfirmed.slice(1 + unconfirmed.findIndex((asked) => asked.id === id)));
+setInterval(() => window.socket?.connected && send(), 1000);
 
 function dataOf(element) {
   const data = { ...element.dataset };

@@ -50,8 +50,10 @@ def context(page: Page) -> dict[str, Any]:
     if kind == "features":
         arguments = [*page.watched.vocabulary.targets, *dialog["parameters"]]
         found |= {
+            # In the order in which they will be used: those in use come first.
             "features": sorted(
-                _features(page, arguments), key=lambda found: found[0] not in dialog["used"]
+                _features(page, arguments),
+                key=lambda found: [*dialog["used"], found[0]].index(found[0]),
             ),
             "same": dialog["chosen"] == dialog["used"],
             "graph": _graph(page),
