@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -76,21 +77,29 @@ def modules(package: str) -> dict[str, Path]:
     }
 
 
+@cache
 def all_modules() -> dict[str, Path]:
     return {name: path for package in PACKAGES for name, path in modules(package).items()}
 
 
-def imports(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield (module, name) for each name that is imported, for type checking too."""
-    for node in ast.walk(ast.parse(path.read_text())):
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text())
+
+
+@cache
+def imports(path: Path) -> list[tuple[str, str]]:
+    """Return (module, name) for each name that is imported, for type checking too."""
+    found = []
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.ImportFrom) and node.module:
-            for alias in node.names:
-                yield node.module, alias.name
+            found += [(node.module, alias.name) for alias in node.names]
         elif isinstance(node, ast.Import):
-            for alias in node.names:
-                yield alias.name, ""
+            found += [(alias.name, "") for alias in node.names]
+    return found
 
 
+@cache
 def face(package: str) -> dict[str, str]:
     """Return where each public name of a package is from; a public module is from "."."""
     stub = SOURCES / package.partition(".")[0] / package.replace(".", "/") / "__init__.pyi"
@@ -154,7 +163,7 @@ def test_every_package_has_a_budget_of_lines():
 def test_no_two_public_classes_have_one_name():
     places: dict[str, list[str]] = {}
     for module, path in all_modules().items():
-        for node in ast.parse(path.read_text()).body:
+        for node in parsed(path).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places.setdefault(node.name, []).append(module)
     assert {name: found for name, found in places.items() if len(found) > 1} == {}
