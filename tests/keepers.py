@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+import shutil
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,8 +13,15 @@ from hitab_bringup import SwarmDescription
 from hitab_bringup.casting import Cast
 from hitab_bringup.evaluation import games_of, play_alike
 from hitab_bringup.libraries.opened_library import open_library
+from hitab_bringup.processes.bringing_up import RunningSwarm
 from hitab_bringup.swarm_files.swarm_options import described_swarm
+from hitab_client import SwarmError
+from hitab_client.run_folder import libraries_of
+from hitab_client.shipped import shipped
+from hitab_core import BehaviorLibrary
 from hitab_world import EpisodeResult
+
+SECONDS = 60.0
 
 
 def trained_keepers(
@@ -37,7 +46,49 @@ def trained_keepers(
     return swarm.with_world(seed=seed, parameters=dict(parameters))
 
 
+def assert_taught_what_is_shipped(folder: Path, library: str, behavior: str) -> None:
+    """Check the examples of a behavior, but for the numbers of the world's cycles."""
+    there = open_library(shipped("libraries", library))
+    taught, known = (
+        [(e.state, e.features, e.next_state, e.kind) for e in lib.load()[behavior].examples]
+        for lib in (BehaviorLibrary(folder, there.domain), there)
+    )
+    assert taught == known, behavior
+
+
 def played(swarm: SwarmDescription, episodes: int) -> list[EpisodeResult]:
     """Return the episodes that agents play in this process, as `hitab evaluate` does."""
     with games_of(swarm, [Cast(swarm).parts()]) as games:
         return [result for (result,) in play_alike(games, episodes)]
+
+
+def begin_anew(running: RunningSwarm) -> None:
+    """Have nothing trained, learned or performed, and the world paused, in lockstep."""
+    agents, world = running.agents, running.world
+    shutil.rmtree(running.folder.path / "generations", ignore_errors=True)
+    for name, library in libraries_of(running.folder.path).items():
+        agents.await_agent(name, SECONDS)
+        try:
+            agents.discard(name)
+        except SwarmError as refused:
+            if "no training to discard" not in str(refused):
+                raise
+        agents.perform(name, "")
+        shutil.rmtree(library)
+        library.mkdir()
+        agents.load_library(name)
+    world.control("pace", pace="lockstep", factor=1.0)
+    world.control("pause")
+    for name in world.snapshot("list").names:
+        world.snapshot("delete", name)
+    assert running.link.spin_until(lambda: world.status.mode == "paused", SECONDS)
+
+
+@contextlib.contextmanager
+def registered(running: RunningSwarm, home: Path) -> Iterator[None]:
+    """Have the command find a swarm meanwhile; other files have swarms of their own."""
+    running.folder.write(running.record, register=True)
+    yield
+    for link in home.rglob("*"):
+        if link.is_symlink() and link.resolve() == running.folder.path:
+            link.unlink()

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from keepers import trained_keepers
+from keepers import begin_anew, trained_keepers
 from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
@@ -40,11 +40,19 @@ def until(swarm: RunningSwarm, holds: Callable[[], bool]) -> None:
     assert swarm.link.spin_until(holds, SECONDS), (swarm.world.status, swarm.agents.statuses)
 
 
-@pytest.fixture
-def swarm(home: Path, tmp_path: Path) -> Iterator[RunningSwarm]:
+@pytest.fixture(scope="module")
+def running(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
     """Three keepers in a paused world."""
-    with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as running:
-        yield running
+    folder = tmp_path_factory.mktemp("restarts")
+    with temporary_swarm(trained_keepers(None, "", {}), folder) as there:
+        yield there
+
+
+@pytest.fixture
+def swarm(running: RunningSwarm) -> RunningSwarm:
+    """Return three keepers that do nothing, in a paused world, whoever has been killed before."""
+    begin_anew(running)
+    return running
 
 
 def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> None:
