@@ -17,7 +17,9 @@ from pathlib import Path
 
 IMPORTED = [
     "hitab_cli.main",
+    "hitab_cli.verbs.printing",
     "hitab_cli.verbs.verb_connection",
+    "hitab_client.completion",
     "hitab_client.ros_link",
     "hitab_client.swarm_client",
     "hitab_client.swarm_choice",
@@ -25,6 +27,9 @@ IMPORTED = [
     "hitab_core.library.behavior_library",
     "rclpy",
     "rich.table",
+    "rosidl_generator_py",
+    "std_msgs.msg",
+    "typer._adapters",
 ]
 
 _fork = multiprocessing.get_context("forkserver")
