@@ -41,7 +41,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     class Scheduling(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = super()._split_scope(nodeid)
-            return file.rpartition("/")[0] if "/three_keepers/" in file else file
+            return file.rpartition("/")[0] if "/shared_swarm/" in file else file
 
     return Scheduling(config, log) if config.getoption("dist") == "loadfile" else None
 

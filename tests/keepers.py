@@ -81,7 +81,7 @@ def begin_anew(running: RunningSwarm) -> None:
     world.control("pause")
     for name in world.snapshot("list").names:
         world.snapshot("delete", name)
-    assert running.link.spin_until(lambda: world.status.mode == "paused", SECONDS)
+    assert running.link.spin_until(lambda: world.wait().mode == "paused", SECONDS)
 
 
 @contextlib.contextmanager

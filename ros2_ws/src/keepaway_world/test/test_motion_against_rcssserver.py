@@ -9,7 +9,6 @@ from random import Random
 
 import numpy as np
 import pytest
-from scipy.stats import ks_2samp
 
 from keepaway_world.parameters import variant
 from keepaway_world.physics import Physics
@@ -124,6 +123,13 @@ def samples(noise):
     return found
 
 
+def probability(ours, theirs):
+    """Return the p-value of the two-sample Kolmogorov-Smirnov test."""
+    from scipy.stats import ks_2samp
+
+    return ks_2samp(ours, theirs).pvalue
+
+
 def corrected(probabilities):
     """Return the smallest p-value, corrected for how many there are (Bonferroni)."""
     return min(probabilities) * len(probabilities)
@@ -136,8 +142,7 @@ def test_where_noise_leads_is_distributed_as_on_the_real_simulator():
             ours, theirs = np.array(simulated), np.array(recorded)
             for column in range(len(FIGURES)):
                 if np.std(theirs[:, column]) > 1e-6:
-                    p = ks_2samp(ours[:, column], theirs[:, column]).pvalue
-                    probabilities.append(p)
+                    probabilities.append(probability(ours[:, column], theirs[:, column]))
     assert len(probabilities) > 300
     assert corrected(probabilities) > SIGNIFICANCE
 
@@ -176,7 +181,7 @@ def deviations(noise):
 def least_probable(noise):
     found = deviations(noise)
     assert len(found["roll ball_vx"][0]) > 5000
-    return corrected([ks_2samp(theirs, ours).pvalue for theirs, ours in found.values()])
+    return corrected([probability(theirs, ours) for theirs, ours in found.values()])
 
 
 def test_the_noise_of_each_cycle_is_distributed_as_on_the_real_simulator():
