@@ -81,7 +81,9 @@ def begin_anew(running: RunningSwarm) -> None:
     world.control("pause")
     for name in world.snapshot("list").names:
         world.snapshot("delete", name)
-    assert running.link.spin_until(lambda: world.wait().mode == "paused", SECONDS)
+    assert running.link.spin_until(
+        lambda: world.status is not None and world.status.mode == "paused", SECONDS
+    )
 
 
 @contextlib.contextmanager
