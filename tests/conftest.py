@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 import warm_hitab
 from browsing import Person, browser, studio
-from keepers import begin_anew, registered
 from robot_desk import Desk, desk_with
 
 from hitab_bringup.processes import supervision
@@ -41,21 +40,6 @@ def apart(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
         monkeypatch.setenv("HITAB_HOME", str(home))
         for folder, _ in list(running_swarms()):
             supervision.stop(folder)
-
-
-@pytest.fixture(scope="module")
-def keepers(home: Path, three_keepers: RunningSwarm) -> Iterator[RunningSwarm]:
-    """Three keepers that know nothing yet, in a paused world; the command finds them too."""
-    begin_anew(three_keepers)
-    with registered(three_keepers, home):
-        yield three_keepers
-
-
-@pytest.fixture(scope="module")
-def swarm(keepers: RunningSwarm) -> RunningSwarm:
-    """Three keepers for the studio, in a paused world that will run in real time."""
-    keepers.world.control("pace", pace="realtime", factor=1.0)
-    return keepers
 
 
 @pytest.fixture(scope="module")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,8 +20,6 @@ from hitab_client.shipped import shipped
 from hitab_core import BehaviorLibrary
 from hitab_world import EpisodeResult
 
-SECONDS = 60.0
-
 
 def trained_keepers(
     library: Path | None,
@@ -31,6 +28,7 @@ def trained_keepers(
     *,
     seed: int = 1,
     domain: str = "",
+    count: int = 3,
 ) -> SwarmDescription:
     """Return keepers in processes of their own, in a paused lockstep world.
 
@@ -40,7 +38,7 @@ def trained_keepers(
     domain = domain or (open_library(library).domain.name if library else "keepaway")
     agents = tuple(
         replace(agent, domain=domain, start_from=library, behavior=behavior)
-        for agent in described.agents
+        for agent in described.agents[:count]
     )
     swarm = replace(described, name="evaluation", file=Path("evaluation"), agents=agents)
     return swarm.with_world(seed=seed, parameters=dict(parameters))
@@ -62,12 +60,12 @@ def played(swarm: SwarmDescription, episodes: int) -> list[EpisodeResult]:
         return [result for (result,) in play_alike(games, episodes)]
 
 
-def begin_anew(running: RunningSwarm) -> None:
+def begin_anew(running: RunningSwarm) -> RunningSwarm:
     """Have nothing trained, learned or performed, and the world paused, in lockstep."""
     agents, world = running.agents, running.world
     shutil.rmtree(running.folder.path / "generations", ignore_errors=True)
     for name, library in libraries_of(running.folder.path).items():
-        agents.await_agent(name, SECONDS)
+        agents.await_agent(name, 60.0)
         try:
             agents.discard(name)
         except SwarmError as refused:
@@ -78,19 +76,7 @@ def begin_anew(running: RunningSwarm) -> None:
         library.mkdir()
         agents.load_library(name)
     world.control("pace", pace="lockstep", factor=1.0)
-    world.control("pause")
+    world.shown(world.control("pause"))
     for name in world.snapshot("list").names:
         world.snapshot("delete", name)
-    assert running.link.spin_until(
-        lambda: world.status is not None and world.status.mode == "paused", SECONDS
-    )
-
-
-@contextlib.contextmanager
-def registered(running: RunningSwarm, home: Path) -> Iterator[None]:
-    """Have the command find a swarm meanwhile; other files have swarms of their own."""
-    running.folder.write(running.record, register=True)
-    yield
-    for link in home.rglob("*"):
-        if link.is_symlink() and link.resolve() == running.folder.path:
-            link.unlink()
+    return running

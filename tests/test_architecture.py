@@ -90,13 +90,12 @@ def parsed(path: Path) -> ast.Module:
 @cache
 def imports(path: Path) -> list[tuple[str, str]]:
     """Return (module, name) for each name that is imported, for type checking too."""
-    found = []
-    for node in ast.walk(parsed(path)):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            found += [(node.module, alias.name) for alias in node.names]
-        elif isinstance(node, ast.Import):
-            found += [(alias.name, "") for alias in node.names]
-    return found
+    return [
+        (node.module, alias.name) if isinstance(node, ast.ImportFrom) else (alias.name, "")
+        for node in ast.walk(parsed(path))
+        if isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and node.module)
+        for alias in node.names
+    ]
 
 
 @cache

@@ -51,8 +51,7 @@ def running(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ru
 @pytest.fixture
 def swarm(running: RunningSwarm) -> RunningSwarm:
     """Return three keepers that do nothing, in a paused world, whoever has been killed before."""
-    begin_anew(running)
-    return running
+    return begin_anew(running)
 
 
 def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> None:
@@ -118,7 +117,7 @@ def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
 def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path) -> None:
     """What an earlier run in the same folder performed is not taken up; snapshots are kept."""
     for kept in ([], ["five"]):
-        with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as running:
+        with temporary_swarm(trained_keepers(None, "", {}, count=1), tmp_path / "run") as running:
             status = running.world.wait()
             assert status.cycle == 0
             assert list(running.world.snapshot("list").names) == kept
@@ -157,7 +156,7 @@ def test_a_process_that_was_suspended_until_it_was_forgotten_starts_again(
 ) -> None:
     """Otherwise those who have forgotten it may not find all of it again, for good."""
     monkeypatch.setattr(dds_profile, "SHORTEST_LEASE_S", 3.0)
-    with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as swarm:
+    with temporary_swarm(trained_keepers(None, "", {}, count=1), tmp_path / "run") as swarm:
         swarm.agents.perform(AGENT, "GoFast")
         node = swarm.link.node
         with hanging(swarm, name) as pid:

@@ -123,26 +123,22 @@ def samples(noise):
     return found
 
 
-def probability(ours, theirs):
-    """Return the p-value of the two-sample Kolmogorov-Smirnov test."""
-    from scipy.stats import ks_2samp
-
-    return ks_2samp(ours, theirs).pvalue
-
-
 def corrected(probabilities):
     """Return the smallest p-value, corrected for how many there are (Bonferroni)."""
     return min(probabilities) * len(probabilities)
 
 
 def test_where_noise_leads_is_distributed_as_on_the_real_simulator():
+    from scipy.stats import ks_2samp
+
     probabilities = []
     for (_, cycle), (recorded, simulated) in samples(noise=1.0).items():
         if cycle in (1, 2, 5, 10, 20, 40):
             ours, theirs = np.array(simulated), np.array(recorded)
             for column in range(len(FIGURES)):
                 if np.std(theirs[:, column]) > 1e-6:
-                    probabilities.append(probability(ours[:, column], theirs[:, column]))
+                    p = ks_2samp(ours[:, column], theirs[:, column]).pvalue
+                    probabilities.append(p)
     assert len(probabilities) > 300
     assert corrected(probabilities) > SIGNIFICANCE
 
@@ -179,9 +175,11 @@ def deviations(noise):
 
 
 def least_probable(noise):
+    from scipy.stats import ks_2samp
+
     found = deviations(noise)
     assert len(found["roll ball_vx"][0]) > 5000
-    return corrected([probability(theirs, ours) for theirs, ours in found.values()])
+    return corrected([ks_2samp(theirs, ours).pvalue for theirs, ours in found.values()])
 
 
 def test_the_noise_of_each_cycle_is_distributed_as_on_the_real_simulator():
