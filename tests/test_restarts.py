@@ -43,8 +43,7 @@ def until(swarm: RunningSwarm, holds: Callable[[], bool]) -> None:
 @pytest.fixture(scope="module")
 def running(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
     """Three keepers in a paused world."""
-    folder = tmp_path_factory.mktemp("restarts")
-    with temporary_swarm(trained_keepers(None, "", {}), folder) as there:
+    with temporary_swarm(trained_keepers(None, "", {}), tmp_path_factory.mktemp("run")) as there:
         yield there
 
 

@@ -17,9 +17,7 @@ from pathlib import Path
 
 IMPORTED = [
     "hitab_cli.main",
-    "hitab_cli.verbs.printing",
     "hitab_cli.verbs.verb_connection",
-    "hitab_client.completion",
     "hitab_client.ros_link",
     "hitab_client.swarm_client",
     "hitab_client.swarm_choice",
