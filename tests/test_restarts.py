@@ -155,7 +155,7 @@ def test_a_process_that_was_suspended_until_it_was_forgotten_starts_again(
 ) -> None:
     """Otherwise those who have forgotten it may not find all of it again, for good."""
     monkeypatch.setattr(dds_profile, "SHORTEST_LEASE_S", 3.0)
-    with temporary_swarm(trained_keepers(None, "", {}, count=1), tmp_path / "run") as swarm:
+    with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as swarm:
         swarm.agents.perform(AGENT, "GoFast")
         node = swarm.link.node
         with hanging(swarm, name) as pid:
