@@ -10,17 +10,12 @@ from typing import Any
 import pytest
 import warm_hitab
 from browsing import Person, browser, studio
-from keepers import trained_keepers
 from robot_desk import Desk, desk_with
 
 from hitab_bringup.processes import supervision
-from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
-from hitab_client import SwarmError, domain_ids
-from hitab_client.run_folder import libraries_of, running_swarms
-from hitab_core.operations import DiscardTraining, LoadLibrary, Perform
-
-PARAMETERS = {"taker_speed": 0.25}
-SECONDS = 60.0
+from hitab_bringup.processes.bringing_up import RunningSwarm
+from hitab_client import domain_ids
+from hitab_client.run_folder import running_swarms
 
 
 @pytest.fixture(scope="session")
@@ -45,55 +40,6 @@ def apart(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
         monkeypatch.setenv("HITAB_HOME", str(home))
         for folder, _ in list(running_swarms()):
             supervision.stop(folder)
-
-
-@pytest.fixture(scope="module")
-def three_keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Three keepers in a paused world."""
-    folder = tmp_path_factory.mktemp("keepers")
-    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
-        yield running
-
-
-def begin_anew(running: RunningSwarm) -> None:
-    """Have nothing trained, learned or performed, and the world paused, in lockstep."""
-    agents, world = running.agents, running.world
-    shutil.rmtree(running.folder.path / "generations", ignore_errors=True)
-    for name, library in libraries_of(running.folder.path).items():
-        agents.await_agent(name, SECONDS)
-        try:
-            agents.do(name, DiscardTraining())
-        except SwarmError as refused:
-            if "no training to discard" not in str(refused):
-                raise
-        agents.do(name, Perform())
-        shutil.rmtree(library)
-        library.mkdir()
-        agents.do(name, LoadLibrary())
-    world.control("pace", pace="lockstep", factor=1.0)
-    world.control("pause")
-    for name in world.snapshot("list").names:
-        world.snapshot("delete", name)
-    assert running.link.spin_until(lambda: world.status.mode == "paused", SECONDS)
-
-
-@pytest.fixture(scope="module")
-def keepers(home: Path, three_keepers: RunningSwarm) -> Iterator[RunningSwarm]:
-    """Three keepers that know nothing yet, in a paused world; the command finds them too."""
-    folder = three_keepers.folder
-    begin_anew(three_keepers)
-    folder.write(three_keepers.record, register=True)
-    yield three_keepers
-    for link in home.rglob("*"):  # other files have swarms of their own
-        if link.is_symlink() and link.resolve() == folder.path:
-            link.unlink()
-
-
-@pytest.fixture(scope="module")
-def swarm(keepers: RunningSwarm) -> RunningSwarm:
-    """Three keepers for the studio, in a paused world that will run in real time."""
-    keepers.world.control("pace", pace="realtime", factor=1.0)
-    return keepers
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import ast
 import itertools
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -92,21 +93,28 @@ def modules(package: str) -> dict[str, Path]:
     }
 
 
+@cache
 def all_modules() -> dict[str, Path]:
     return {name: path for package in PACKAGES for name, path in modules(package).items()}
 
 
-def imports(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield (module, name) for each name that is imported, for type checking too."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            for alias in node.names:
-                yield node.module, alias.name
-        elif isinstance(node, ast.Import):
-            for alias in node.names:
-                yield alias.name, ""
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text())
 
 
+@cache
+def imports(path: Path) -> list[tuple[str, str]]:
+    """Return (module, name) for each name that is imported, for type checking too."""
+    return [
+        (node.module, alias.name) if isinstance(node, ast.ImportFrom) else (alias.name, "")
+        for node in ast.walk(parsed(path))
+        if isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and node.module)
+        for alias in node.names
+    ]
+
+
+@cache
 def face(package: str) -> dict[str, str]:
     """Return where each public name of a package is from; a public module is from "."."""
     stub = SOURCES / package.partition(".")[0] / package.replace(".", "/") / "__init__.pyi"
@@ -236,7 +244,7 @@ def test_every_package_has_a_budget_of_lines():
 def test_no_two_public_classes_have_one_name():
     places: dict[str, list[str]] = {}
     for module, path in all_modules().items():
-        for node in ast.parse(path.read_text()).body:
+        for node in parsed(path).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places.setdefault(node.name, []).append(module)
     assert {name: found for name, found in places.items() if len(found) > 1} == {}

@@ -8,8 +8,10 @@ import sys
 import time
 
 import psutil
+from keepers import assert_taught_what_is_shipped
 
 from hitab_client.run_folder import MARK
+from keepaway_world.demo import DEMO
 
 
 def test_the_demo_leaves_pictures_figures_and_a_library(hitab, tmp_path):
@@ -19,12 +21,10 @@ def test_the_demo_leaves_pictures_figures_and_a_library(hitab, tmp_path):
     for name in ("field.png", "automata.png", "episode_lengths.png"):
         assert (folder / name).read_bytes().startswith(b"\x89PNG")
     figures = json.loads((folder / "figures.json").read_text())
-    assert [row["automaton"] for row in figures["lessons"]] == [
-        "ApproachBall",
-        "GotoBall",
-        "ControlBall",
-        "Keepaway",
-    ]
+    assert [row["automaton"] for row in figures["lessons"]] == list(DEMO.examples)
+    for row in figures["lessons"]:
+        assert 0 < row["examples"] <= DEMO.examples[row["automaton"]], "more than in the paper"
+        assert_taught_what_is_shipped(folder / "library", "keepaway", row["automaton"])
     assert figures["evaluation"]["episodes"] == 10
     assert hitab("library", "check", "-l", str(folder / "library")).returncode == 0
 

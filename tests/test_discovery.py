@@ -86,7 +86,7 @@ def addresses(pids: list[int]) -> set[str]:
 
 def test_a_process_started_late_hears_all_others(request: pytest.FixtureRequest) -> None:
     """With ROS's own LOCALHOST it hears 32 of them, for ever."""
-    participants = 100 if request.config.getoption("long") else 60
+    participants = 100 if request.config.getoption("long") else 40
     with domain_ids.reserved() as domain:
         shell = environment(domain)
         with talkers(participants, shell, processes=participants // 10):

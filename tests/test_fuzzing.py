@@ -231,8 +231,8 @@ def test_what_large_messages_take_is_given_back_and_the_swarm_goes_on(home: Path
         node, before = running.link.node, memory(running)
         text, values = "x" * LARGE, array.array("d", bytes(LARGE))
         sent: dict[str, list[Any]] = {
-            "Action": 6 * [msg.Action(agent="forager_1", values=values)],
-            "Command": 6 * [msg.Command(behavior=text)],
+            "Action": 3 * [msg.Action(agent="forager_1", values=values)],
+            "Command": 3 * [msg.Command(behavior=text)],
             "Reports": 2 * [msg.Reports(reports=200_000 * [msg.Report(agent="forager_1")])],
         }
         publishers = [

@@ -9,7 +9,6 @@ from mentions import Mention, mentions
 from hitab_cli.main import make_app
 
 COMMAND = typer.main.get_command(make_app())
-FOUND = list(dict.fromkeys(mentions()))
 WRITTEN_SO = {"...", "[", "VERB", "command"}
 """First words that stand for a command, or tell that no command is meant."""
 
@@ -85,7 +84,7 @@ def test_every_command_that_is_mentioned_is_there():
     # Without it an error may send its reader to a command that does not exist.
     wrong = {
         str(mention): complaint(list(mention.words[1:]), in_passing=mention.in_passing)
-        for mention in filter(of_hitab, FOUND)
+        for mention in filter(of_hitab, mentions())
     }
     assert {mention: what for mention, what in wrong.items() if what} == {}
 

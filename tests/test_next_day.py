@@ -14,6 +14,7 @@ SOCCER = """\
 swarm: soccer
 world: {kind: keepaway, pace: lockstep, paused: true}
 domain: keepaway
+hosts: 1
 agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}
 """
 TODAY = SOCCER + "behavior: Wander\n"

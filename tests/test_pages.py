@@ -47,7 +47,7 @@ def reader(apart, monkeypatch):
         pytest.param("docs/tutorial.md", marks=pytest.mark.long),
         pytest.param("docs/commanders.md", marks=pytest.mark.long),
         pytest.param("docs/bootstrapping.md", marks=pytest.mark.long),
-        "docs/half-field.md",
+        pytest.param("docs/half-field.md", marks=pytest.mark.long),
         pytest.param("docs/second-thoughts.md", marks=pytest.mark.long),
     ],
 )

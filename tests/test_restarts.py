@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from keepers import trained_keepers
+from keepers import begin_anew, trained_keepers
 from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
@@ -41,11 +41,17 @@ def until(swarm: RunningSwarm, holds: Callable[[], bool]) -> None:
     assert swarm.link.spin_until(holds, SECONDS), (swarm.world.status, swarm.agents.statuses)
 
 
-@pytest.fixture
-def swarm(home: Path, tmp_path: Path) -> Iterator[RunningSwarm]:
+@pytest.fixture(scope="module")
+def running(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
     """Three keepers in a paused world."""
-    with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as running:
-        yield running
+    with temporary_swarm(trained_keepers(None, "", {}), tmp_path_factory.mktemp("run")) as there:
+        yield there
+
+
+@pytest.fixture
+def swarm(running: RunningSwarm) -> RunningSwarm:
+    """Return three keepers that do nothing, in a paused world, whoever has been killed before."""
+    return begin_anew(running)
 
 
 def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> None:
@@ -95,14 +101,14 @@ def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
     killed: list[int] = []
 
     def progress(seen: int) -> None:
-        if seen >= 2 and not killed:
+        if seen and not killed:
             killed.append(seen)
             kill(swarm, "world")
 
     swarm.world.control("pace", pace="lockstep")
-    played = swarm.world.play(12, seed=5, progress=progress, stall_seconds=SECONDS)
+    played = swarm.world.play(20, seed=5, progress=progress, stall_seconds=SECONDS)
     assert killed
-    assert [episode.number for episode in played] == list(range(12))
+    assert [episode.number for episode in played] == list(range(20))
     assert {episode.seed for episode in played} == {5}
     assert played[0].reproducible
     assert not played[-1].reproducible
@@ -111,7 +117,7 @@ def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
 def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path) -> None:
     """What an earlier run in the same folder performed is not taken up; snapshots are kept."""
     for kept in ([], ["five"]):
-        with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as running:
+        with temporary_swarm(trained_keepers(None, "", {}, count=1), tmp_path / "run") as running:
             status = running.world.wait()
             assert status.cycle == 0
             assert list(running.world.snapshot("list").names) == kept

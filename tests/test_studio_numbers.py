@@ -17,10 +17,12 @@ from hitab_core.operations import DiscardTraining
 
 
 @pytest.fixture(scope="module")
-def three_keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Three keepers that take numbers."""
+def swarm(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
+    """Three keepers that take numbers, in a paused world that will run in real time."""
     described = trained_keepers(None, "", {"taker_speed": 0.25}, domain="keepaway_continuous")
     with temporary_swarm(described, tmp_path_factory.mktemp("keepers")) as running:
+        running.folder.write(running.record, register=True)
+        running.world.control("pace", pace="realtime", factor=1.0)
         yield running
 
 

@@ -25,6 +25,9 @@ IMPORTED = [
     "hitab_core.library.behavior_library",
     "rclpy",
     "rich.table",
+    "rosidl_generator_py",
+    "std_msgs.msg",
+    "typer._adapters",
 ]
 
 _fork = multiprocessing.get_context("forkserver")

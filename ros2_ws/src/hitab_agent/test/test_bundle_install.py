@@ -27,7 +27,7 @@ from hitab_core.term import Term
 from hitab_core.training import Curriculum
 from hitab_ros import names, qos
 
-SIZE = 30
+SIZE = 12
 SECONDS = 60.0
 
 

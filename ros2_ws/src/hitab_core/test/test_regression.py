@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as some
-from sklearn.neighbors import KNeighborsRegressor
 
 from hitab_core import (
     BasicBehavior,
@@ -214,6 +213,8 @@ def test_a_behavior_that_lacks_numbers_is_stopped_and_begins_again():
 
 @given(some.integers(0, 2**32 - 1), some.integers(1, 40))
 def test_numbers_are_those_of_scikit_learns_neighbors(seed, count):
+    from sklearn.neighbors import KNeighborsRegressor
+
     random = np.random.default_rng(seed)
     rows, numbers = random.normal(size=(count, 3)), random.uniform(0, 1, (count, 1))
     shown = Neighbors(rows, numbers, [Scale()] * 3, [SPEED])

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from sklearn.tree import DecisionTreeClassifier
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, VocabularyError
@@ -342,6 +341,8 @@ def one_choice(found):
 
 @pytest.mark.parametrize("n_features", [1, 2, 4])
 def test_where_gain_and_gain_ratio_choose_alike_the_tree_is_scikit_learns(n_features):
+    from sklearn.tree import DecisionTreeClassifier
+
     random = np.random.default_rng(n_features)
     compared = 0
     for _ in range(30):

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
 from hitab_client.demonstrating import behavior_keys
-from hitab_core.operations import Operation
+from hitab_core.operation import Operation
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns

@@ -14,7 +14,7 @@ from nicegui.element import Element
 
 from hitab_client import Training
 from hitab_core import HitabError
-from hitab_core.operations import Outcomes
+from hitab_core.operation import Outcomes
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.timing import REFRESH_S, REPEAT_S
 from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data

@@ -9,7 +9,6 @@ from random import Random
 
 import numpy as np
 import pytest
-from scipy.stats import ks_2samp
 
 from keepaway_world.parameters import variant
 from keepaway_world.physics import Physics
@@ -130,6 +129,8 @@ def corrected(probabilities):
 
 
 def test_where_noise_leads_is_distributed_as_on_the_real_simulator():
+    from scipy.stats import ks_2samp
+
     probabilities = []
     for (_, cycle), (recorded, simulated) in samples(noise=1.0).items():
         if cycle in (1, 2, 5, 10, 20, 40):
@@ -174,6 +175,8 @@ def deviations(noise):
 
 
 def least_probable(noise):
+    from scipy.stats import ks_2samp
+
     found = deviations(noise)
     assert len(found["roll ball_vx"][0]) > 5000
     return corrected([ks_2samp(theirs, ours).pvalue for theirs, ours in found.values()])

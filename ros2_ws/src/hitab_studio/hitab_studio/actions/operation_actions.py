@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
-from hitab_core.operations import OPERATIONS, Operation
+from hitab_core.operation import Operation
+from hitab_core.operations import OPERATIONS
 from hitab_studio.actions.registry import REGISTERED_ACTIONS, Data, action, number_from
 from hitab_studio.page import Page
 from hitab_studio.ui_remedies import answer_text
@@ -42,7 +43,8 @@ def meant(kind: type[Op], page: Page, data: Data, **known: Any) -> Op:
     if "field" in data:
         given[data["field"]] = data["value"]
     fields: dict[str, Any] = {}
-    for name, type_ in kind.own_fields().items():
+    for name, field in kind.own_fields().items():
+        type_ = str(field.type)
         if type_.startswith("Mapping"):
             pairs = ((key.partition(":"), str(value).strip()) for key, value in given.items())
             fields[name] = {key: value for (to, _, key), value in pairs if to == name and value}

@@ -59,9 +59,7 @@ def _identity(data: Data) -> str:
     return str(data.get("id") or uuid.uuid4().hex)
 
 
-async def _commanded(
-    page: Page, sent: LostCommand, seen: int, seconds: float = PROMPT_S
-) -> None:
+async def _commanded(page: Page, sent: LostCommand, seen: int, seconds: float = PROMPT_S) -> None:
     """Command a behavior, and offer to send the command again if it is not answered.
 
     Args:

@@ -98,8 +98,7 @@ def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swa
 @needs_browser
 def test_a_page_waits_for_its_swarm_and_shows_it_only_while_it_is_up(chrome, home, tmp_path):
     """Its robots stood there as before, with a button that would train them."""
-    alone = trained_keepers(None, "", {})
-    description = replace(alone, agents=alone.agents[:1])
+    description = trained_keepers(None, "", {}, count=1)
 
     @contextmanager
     def falls_up(someone: Person) -> Iterator[None]:

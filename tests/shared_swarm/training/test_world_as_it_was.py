@@ -4,12 +4,10 @@ import signal
 from collections.abc import Callable
 
 import pytest
-from hitab_msgs.msg import WorldStatus
 
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import handle_interruptions
 from hitab_client.world_as_it_was import as_it_was
-from hitab_ros import qos
 
 
 @pytest.fixture
@@ -54,47 +52,40 @@ def handled():
         signal.signal(number, handler)
 
 
+def in_the_next_request(monkeypatch, world, then: Callable[[], object]) -> None:
+    """Do something when the world is asked for the next change."""
+    control = world.control
+
+    def asked(*arguments, **more):
+        monkeypatch.setattr(world, "control", control)
+        then()
+        return control(*arguments, **more)
+
+    monkeypatch.setattr(world, "control", asked)
+
+
 @pytest.mark.usefixtures("handled")
-def test_ctrl_c_while_it_is_handed_back_is_obeyed_afterwards(running):
-    # Without putting it off, the pace is handed back and the mode is not.
-    def interrupt(status: WorldStatus) -> None:
-        if interrupted:
-            running.link.node.destroy_subscription(interrupted.pop())
-            signal.raise_signal(signal.SIGINT)
+def test_ctrl_c_while_it_is_handed_back_is_obeyed_afterwards(running, monkeypatch):
+    # Without putting it off, nothing is handed back.
+    def interrupt() -> None:
+        signal.raise_signal(signal.SIGINT)
 
-    def begin() -> None:
-        topic = "/world/status"
-        subscribed = running.link.subscribe(
-            WorldStatus, topic, interrupt, qos.EVENTS, temporary=True
-        )
-        interrupted.append(subscribed)
-
-    interrupted: list = []
     with pytest.raises(KeyboardInterrupt):
-        changed(running, begin)
-    assert not interrupted
+        changed(running, lambda: in_the_next_request(monkeypatch, running.world, interrupt))
     assert is_as_it_was(running)
 
 
-def test_an_error_while_it_is_handed_back_does_not_keep_the_rest_from_being_so(running):
-    failures: list = []
+def test_an_error_while_it_is_handed_back_does_not_keep_the_rest_from_being_so(
+    running, monkeypatch
+):
+    def fail() -> None:
+        raise RuntimeError("a subscriber fails")
 
-    def fail(status: WorldStatus) -> None:
-        if len(failures) < 1:
-            failures.append(status)
-            raise RuntimeError("a subscriber fails")
-
-    def begin() -> None:
-        topic = "/world/status"
-        made.append(running.link.subscribe(WorldStatus, topic, fail, qos.EVENTS, temporary=True))
-
-    made: list = []
     with pytest.raises(SwarmError, match="could not be restored"):
-        changed(running, begin)
-    running.link.node.destroy_subscription(made[0])
-    assert failures
-    running.link.spin_until(lambda: running.world.status.mode == "running", 10)
-    assert running.world.status.mode == "running"  # this is tried though the pace was not certain
+        changed(running, lambda: in_the_next_request(monkeypatch, running.world, fail))
+    assert running.link.spin_until(lambda: running.world.status.mode == "running", 10), (
+        "this is tried though the pace was not certain"
+    )
 
 
 def test_a_paused_world_is_paused_afterwards_even_if_it_is_still_stepping(keepers):
