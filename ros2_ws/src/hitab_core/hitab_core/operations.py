@@ -21,7 +21,8 @@
     an outcome              the answer, which names what was done and the next steps
 
 The fields of a service in `hitab_msgs` have the names of those here. So have options of verbs,
-keys of lessons and inputs of the studio, which are made from them.
+keys of lessons and inputs of the studio, which are made from them. What loads the learning code is
+imported where it is used: programs that only send operations, such as `hitab undo`, start faster.
 """
 
 from __future__ import annotations
@@ -32,7 +33,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from hitab_core import library, training
 from hitab_core.errors import LibraryError, TrainingError, VocabularyError
 from hitab_core.library.expectation import broken_expectations
 from hitab_core.mode import Mode
@@ -73,7 +73,9 @@ class BeginTraining(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Begin the training."""
-        curriculum = training.Curriculum.parse(
+        from hitab_core.training.curriculum import Curriculum
+
+        curriculum = Curriculum.parse(
             self.automaton,
             self.features,
             self.states,
@@ -407,7 +409,7 @@ class SetCaution(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Set it."""
-        from hitab_core.assistant.caution import Caution  # deferred: loads the learning code
+        from hitab_core.assistant.caution import Caution
 
         caution = Caution.parse(self.when_unsure, self.distance)
         agent.monitor.set(caution)
@@ -429,6 +431,8 @@ class LoadLibrary(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Read the library."""
+        from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX
+
         other = None
         if self.path:
             folder = Path(os.path.expanduser(self.path))
@@ -436,9 +440,9 @@ class LoadLibrary(Operation):
                 raise LibraryError(
                     f'"{self.path}" is not a folder here; give the absolute path of a library'
                 )
-            if any(folder.iterdir()) and not any(folder.glob(f"*{library.BEHAVIOR_SUFFIX}")):
+            if any(folder.iterdir()) and not any(folder.glob(f"*{BEHAVIOR_SUFFIX}")):
                 raise LibraryError(
-                    f"{folder} contains files but no behaviors (*{library.BEHAVIOR_SUFFIX}); give "
+                    f"{folder} contains files but no behaviors (*{BEHAVIOR_SUFFIX}); give "
                     "the path of a library, or of an empty folder for a new one"
                 )
             other = agent.open_library(folder, agent.domain)
@@ -466,6 +470,8 @@ class Distribute(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Send the behavior."""
+        from hitab_core.library.bundle import make_bundle
+
         term = _term(self.behavior, self.targets)
         agent.check_saved(term.name)
         if self.start:
@@ -476,7 +482,7 @@ class Distribute(Operation):
                 f'"{term.name}" does not need to be sent: it comes with domain '
                 f'"{agent.domain.name}", which its agents have'
             )
-        bundle = library.make_bundle(agent.loaded.texts, agent.repertoire, term.name)
+        bundle = make_bundle(agent.loaded.texts, agent.repertoire, term.name)
         number = agent.send(Shipment(bundle, term, self.receivers, self.start))
         broken = [text for name, _ in bundle.files for text in agent.loaded.files[name].broken]
         done = "; but ".join([f"sent {quantity(len(bundle.files), 'behavior')}", *broken])
