@@ -233,7 +233,8 @@ class Caller:
             heard: called with the answer, also if it is a refusal.
 
         Raises:
-            SwarmError: if the service is missing or does not answer; a `RequestRefused` if it refuses.
+            SwarmError: if the service is missing or does not answer.
+            RequestRefused: if it refuses.
         """
         self.will_call(kind, service)
         client = self._clients[service]
