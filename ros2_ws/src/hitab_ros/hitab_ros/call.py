@@ -33,11 +33,11 @@ class SwarmError(HitabError):
     """A swarm that does not start, does not answer or refuses."""
 
 
-class Refusal(SwarmError):
+class RequestRefused(SwarmError):
     """An answer of a service that has not done what was asked."""
 
 
-def refused(answer: Any, where: str = "") -> Refusal:
+def refused(answer: Any, where: str = "") -> RequestRefused:
     """Return the error for a refusing answer of a service.
 
     Args:
@@ -46,7 +46,7 @@ def refused(answer: Any, where: str = "") -> Refusal:
     """
     from hitab_ros.conversions import remedies_of  # here because the help imports this module
 
-    return Refusal(answer.message, *remedies_of(answer.remedies), where=where)
+    return RequestRefused(answer.message, *remedies_of(answer.remedies), where=where)
 
 
 @types.coroutine
@@ -222,7 +222,8 @@ class Caller:
             heard: called with the answer, also if it is a refusal.
 
         Raises:
-            SwarmError: if the service is missing or does not answer; a `Refusal` if it refuses.
+            SwarmError: if the service is missing or does not answer.
+            RequestRefused: if it refuses.
         """
         self.will_call(kind, service)
         client = self._clients[service]

@@ -11,7 +11,7 @@ from hitab_client import Learned, SwarmError
 from hitab_core import Example, Term
 from hitab_core.example import ExampleKind
 from hitab_core.operations import BeginTraining, Operation
-from hitab_ros.call import Refusal, blocking
+from hitab_ros.call import RequestRefused, blocking
 from hitab_studio.actions import teaching_actions
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.page import Page
@@ -80,7 +80,11 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
         if behavior == "Stop":
             ids.append(id)
         if behavior in failing:
-            raise Refusal("it is stopped") if is_refused else SwarmError("no answer within 2 s")
+            raise (
+                RequestRefused("it is stopped")
+                if is_refused
+                else SwarmError("no answer within 2 s")
+            )
         done.append(behavior)
 
     async def do(agent: str, operation: Operation) -> Any:

@@ -7,7 +7,7 @@ import uuid
 from hitab_client import SwarmError, demonstrating
 from hitab_core import Term, with_numbers
 from hitab_core.operations import BeginTraining, DiscardTraining
-from hitab_ros.call import Refusal
+from hitab_ros.call import RequestRefused
 from hitab_ros.timing import ANSWER_S, PROMPT_S
 from hitab_studio.actions.operation_actions import carry_out, meant
 from hitab_studio.actions.registry import Data, action, number_from
@@ -87,7 +87,7 @@ async def _commanded(page: Page, sent: LostCommand, seen: int, seconds: float = 
         )
     except SwarmError as error:
         page.not_taken[agent] = behavior
-        if isinstance(error, Refusal):
+        if isinstance(error, RequestRefused):
             raise
         page.lost = sent
     else:
