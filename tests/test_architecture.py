@@ -60,7 +60,7 @@ BUDGET = {
     "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29250,
+    "tests": 29360,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
