@@ -197,19 +197,25 @@ class Subordinate:
         self._reported_cycle = self.agent.cycle
         self._beaten = True
         values = tuple(NAN if read is None else value_or_nan(read) for read in self._readers)
-        *activity, episode, seed, number = doing
+        epoch, sequence, waits, mode, stopped, path, flags, episode, seed, number = doing
         return Report(
             self.agent.name,
-            *activity,
-            values=values,
-            position=self._position(),
-            cycle=self.agent.cycle,
-            episode=episode,
-            seed=seed,
-            seconds=self.seconds,
-            round=number,
-            look=look,
-            restart=restart,
+            epoch,
+            sequence,
+            waits,
+            mode,
+            stopped,
+            path,
+            flags,
+            values,
+            self._position(),
+            self.agent.cycle,
+            episode,
+            seed,
+            self.seconds,
+            number,
+            look,
+            restart,
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:
