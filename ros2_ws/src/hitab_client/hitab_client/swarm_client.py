@@ -20,7 +20,7 @@ from hitab_core import Fix
 from hitab_core.operation import Operation
 from hitab_core.operations import Command, Distribute, LoadLibrary
 from hitab_ros import BusyTimeout, names, qos
-from hitab_ros.call import Turns, blocking
+from hitab_ros.call import Turns, blocking, turn
 from hitab_ros.conversions import cost_of, request_of
 from hitab_ros.timing import ANSWER_S, DISCOVERY_S
 
@@ -160,6 +160,7 @@ class SwarmClient(AgentPresence):
             SwarmError: if the agent has no training, or does not publish it.
         """
         await self.await_agent.coroutine(agent)
+        await turn(0.0)  # for statuses that arrived while this client was not spinning
 
         def has_come() -> bool:
             self.watch_training(agent)
