@@ -49,22 +49,22 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2600,
+    "hitab_agent": 2300,
     "hitab_bringup": 2250,
     "hitab_class": 200,
-    "hitab_cli": 2950,
-    "hitab_client": 4200,
+    "hitab_cli": 2900,
+    "hitab_client": 3950,
     "hitab_commander": 1050,
     "hitab_core": 9700,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1600,
-    "hitab_studio": 4550,
+    "hitab_ros": 1550,
+    "hitab_studio": 4400,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29500,
+    "tests": 29900,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
