@@ -101,7 +101,8 @@ def test_a_damaged_database_does_not_keep_a_swarm_from_starting(folder):
 
 
 def test_a_training_that_resumes_is_announced_with_the_ways_out(folder):
-    status = AgentStatus(agent="lone", mode=AgentStatus.TRAINING, behavior="Chase", examples=8)
+    status = AgentStatus(agent="lone", mode=AgentStatus.TRAINING, behavior="Chase")
+    status.training.examples = 8
     idle = AgentStatus(agent="other", mode=AgentStatus.IDLE)
     assert announcements([status, idle], folder) == [
         'lone resumes the training of "Chase" (8 examples) and waits for commands\n'
@@ -113,7 +114,8 @@ def test_a_training_that_resumes_is_announced_with_the_ways_out(folder):
 
 
 def test_of_a_commander_that_resumes_a_training_it_is_said_that_its_group_waits(folder):
-    status = AgentStatus(agent="chief", mode=AgentStatus.TRAINING, behavior="Lead", examples=2)
+    status = AgentStatus(agent="chief", mode=AgentStatus.TRAINING, behavior="Lead")
+    status.training.examples = 2
     sentence = announcements([status], folder, ["chief"])[0]
     assert "waits for commands; its group waits for its orders\n" in sentence
 

@@ -123,7 +123,7 @@ class CommanderLink:
 
     def _on_sign(self, process: str) -> None:
         if not self._lockstep.active:
-            self.body.hear_sign(process, time.monotonic())
+            self.body.hear_sign(process, self._listened.now())
             self._hear_all()
 
     def _hear_all(self, *, changed: bool = False, restart: bool = False) -> None:

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
+from hitab_core.operation import Operation
 from hitab_core.operations import (
     OPERATIONS,
     AnswerQuestion,
     DeleteExamples,
-    Operation,
     Perform,
     RelabelExamples,
     RetimeExamples,

@@ -10,7 +10,8 @@ from hitab_msgs.msg import AgentStatus, TrainingStatus
 from hitab_client import Learned, SwarmError
 from hitab_core import Example, Term
 from hitab_core.example import ExampleKind
-from hitab_core.operations import BeginTraining, Operation
+from hitab_core.operation import Operation
+from hitab_core.operations import BeginTraining
 from hitab_ros.call import RequestRefused, blocking
 from hitab_studio.actions import teaching_actions
 from hitab_studio.agent_watch import AgentState
