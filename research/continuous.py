@@ -40,15 +40,15 @@ from hitab_core import Agent, Automaton, BasicBehavior, BehaviorLibrary, Domain,
 from hitab_core.regression import Neighbors
 from hitab_core.training import Curriculum
 from hitab_world.inprocess import AutomatonPlayer, perform, play
-from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import get_open
 from keepaway_world.body import KeeperBody
-from keepaway_world.continuous import DIRECTION, DOMAIN, run_towards
 from keepaway_world.features import direction_to
-from keepaway_world.interception import HORIZON, Interceptor
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.continuous import DIRECTION, DOMAIN, run_towards
+from keepaway_world.game.interception import HORIZON, Interceptor
+from keepaway_world.game.physics import Mover
 from keepaway_world.parameters import PAPER
 from keepaway_world.percept import BALL
-from keepaway_world.physics import Mover
 from keepaway_world.world import KeepawayWorld
 
 SHOWN_SEED, PLAYED_SEED = 52_000, 60_221

@@ -21,8 +21,8 @@ from servo_keepers import servo_players
 
 from hitab_client.measures import estimate
 from hitab_world.inprocess import play
+from keepaway_world.game.players import KEEPERS, offered
 from keepaway_world.parameters import variant
-from keepaway_world.players import KEEPERS, offered
 from keepaway_world.world import KeepawayWorld
 
 SLOW = {"taker_speed": 0.25}

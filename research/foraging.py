@@ -32,11 +32,11 @@ from tasks import lesson_file, library, scratch, terms
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
-from hitab_commander.kind import CommanderKind
-from hitab_commander.kind_reader import KIND_FILE, read_kind
+from hitab_commander.kinds.kind import CommanderKind
+from hitab_commander.kinds.kind_reader import KIND_FILE, read_kind
 from hitab_core import Automaton, Domain, has
 from hitab_core.learning import relearned
 from hitab_core.library.behavior_library import BehaviorLibrary

@@ -27,10 +27,10 @@ from tasks import library, rule
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
-from hitab_commander.kind import CommanderKind, OrderMap
+from hitab_commander.kinds.kind import CommanderKind, OrderMap
 from hitab_core import Automaton
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.orders import ALL_OTHERS

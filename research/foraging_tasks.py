@@ -31,11 +31,11 @@ from tasks import (
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
-from hitab_commander.kind import CommanderKind
-from hitab_commander.kind_reader import KIND_FILE, read_kind
+from hitab_commander.kinds.kind import CommanderKind
+from hitab_commander.kinds.kind_reader import KIND_FILE, read_kind
 from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Term
 from hitab_world.inprocess import AutomatonPlayer, Player, play
 

@@ -31,10 +31,10 @@ from half_field_rules import DEFAULT, SWAPS, Numbers, rules
 from half_field_world.domain import DOMAIN
 from half_field_world.game import half_field
 from half_field_world.parameters import HalfFieldParameters
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
-from hitab_commander.kind_reader import KIND_FILE, read_kind
+from hitab_commander.kinds.kind_reader import KIND_FILE, read_kind
 from hitab_core import Automaton, BehaviorLibrary, Example, Repertoire, Term
 from hitab_core.learning import relearned
 from hitab_core.training.exchange import exchanged

@@ -24,7 +24,7 @@ import typer
 
 from hitab_bringup.libraries.opened_library import open_library
 from hitab_cli.views.plots import figure, save
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain
 from hitab_core.learning.transition_learning import learn_transitions

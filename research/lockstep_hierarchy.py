@@ -23,7 +23,7 @@ def rate(name: str, cycles: int, seed: int) -> tuple[float, int]:
     """Return the cycles per second of a shipped swarm in lockstep, and the deadlines missed."""
     from hitab_bringup.processes.bringing_up import temporary_swarm
     from hitab_bringup.swarm_files.swarm_file import read_swarm
-    from hitab_client.shipped import find_file
+    from hitab_client.runs.shipped import find_file
 
     swarm = read_swarm(find_file(name, "swarms", "swarm"))
     swarm = swarm.with_world(pace="lockstep", paused=True, seed=seed)

@@ -42,7 +42,7 @@ from hitab_core import (
 from hitab_core.plain_body import PlainBody
 from hitab_world import SimulationWorld
 from hitab_world.inprocess import Player, PolicyPlayer, perform, play
-from hitab_world.simulation import SimulationParameters
+from hitab_world.simulating.simulation import SimulationParameters
 
 FILE = Path(__file__).resolve().parents[1] / "examples/mpe2_team.py"
 WORDS: Any = load_file(FILE)

@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hitab_core import START, Automaton, Example, ExampleKind, HandWritten, Scale, Term
-from hitab_core.arrays import Floats
 from hitab_core.learning import learn_transitions
 from hitab_core.learning.feature_encoding import encoding_of
+from hitab_core.numeric.arrays import Floats
 from hitab_core.transition_function import TransitionFunction
 
 

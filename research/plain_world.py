@@ -18,8 +18,8 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.term import Term
+from hitab_world.node.world_node import run_world
 from hitab_world.world import Action, Entity, EpisodeResult, Look, Placement, Sensed, WorldError
-from hitab_world.world_node import run_world
 
 SIZE = 200.0
 CYCLE_S = 0.1

@@ -21,9 +21,9 @@ import numpy as np
 import typer
 
 from hitab_core import Scale
-from hitab_core.arrays import Floats, Integers
 from hitab_core.labeling import Run, Shown, apart, examples_of, forward, label, steps_of
 from hitab_core.learning import learn_transitions
+from hitab_core.numeric.arrays import Floats, Integers
 
 SOURCE = "https://github.com/ut-amrl/plunder"
 CACHE = Path("~/.cache/hitab/plunder").expanduser()

@@ -33,7 +33,7 @@ from games import size_of
 
 from hitab_bringup.libraries.opened_library import open_library
 from hitab_client.measures import estimate
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_core import (
     START,
     Automaton,

@@ -30,7 +30,7 @@ from records import TRAINED_AWAY, trained_team
 from hitab_bringup import players_of
 from hitab_bringup.casting import CastMember
 from hitab_bringup.libraries.opened_library import open_library
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_core import Term
 from hitab_rcssserver.rcss_world import RcssWorld
 from hitab_rcssserver.server_settings import settings_from_dict

@@ -38,7 +38,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hitab_client import RosLink, Stops, SwarmClient, SwarmError
-from hitab_client.domain_ids import reserved
+from hitab_client.connecting.domain_ids import reserved
 from hitab_core.operations import BeginTraining, Command
 from hitab_core.operations import Perform as Performance
 from hitab_ros import names

@@ -166,8 +166,8 @@ def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figu
     from hitab_bringup.processes.bringing_up import bring_up
     from hitab_bringup.swarm_files.swarm_file import parse_swarm
     from hitab_client import domain_ids
-    from hitab_client.ros_link import RosLink
-    from hitab_client.run_folder import RunFolder
+    from hitab_client.connecting.ros_link import RosLink
+    from hitab_client.runs.run_folder import RunFolder
 
     with tempfile.TemporaryDirectory(prefix="hitab-scale-") as place, domain_ids.reserved() as id_:
         folder = Path(place).resolve()

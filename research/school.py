@@ -28,7 +28,7 @@ from hitab_client.lessons.lesson import (
     Step,
     Until,
 )
-from hitab_client.world_view import WorldView, speakers
+from hitab_client.showing.world_view import WorldView, speakers
 from hitab_commander.inprocess import HierarchyPlayers
 from hitab_core import START, Agent, Automaton, HitabError, Term
 from hitab_core.operations import BeginTraining, Command, Distribute

@@ -18,9 +18,9 @@ from keepaway_research.reference.positioning import ARRIVED, open_point
 from keepaway_research.reference.prediction import FULL
 from keepaway_research.reference.view import Seen, View
 from keepaway_world.action import Order
-from keepaway_world.angles import PI, wrapped
 from keepaway_world.body import YELL
-from keepaway_world.kicking import PASS_ARRIVAL_SPEED, off_place
+from keepaway_world.game.angles import PI, wrapped
+from keepaway_world.game.kicking import PASS_ARRIVAL_SPEED, off_place
 from keepaway_world.world import KeepawayWorld
 
 PRESSED = 5.0  # m: it passes if a taker is nearer

@@ -23,8 +23,8 @@ import numpy as np
 import typer
 
 from hitab_core import BehaviorLibrary, Repertoire, Term
-from hitab_core.errors import TrainingError
 from hitab_core.labeling import ShownAction, Strip
+from hitab_core.texts.errors import TrainingError
 from hitab_world.inprocess import AutomatonPlayer, Player, PolicyPlayer, cycle, perform, play
 from keepaway_world.domain import DOMAIN
 from keepaway_world.hand_written import servo

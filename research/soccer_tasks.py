@@ -27,11 +27,11 @@ from tasks import (
     without_defaults,
 )
 
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
-from hitab_commander.kind import CommanderKind
-from hitab_commander.kind_reader import KIND_FILE, described_kind, read_kind
+from hitab_commander.kinds.kind import CommanderKind
+from hitab_commander.kinds.kind_reader import KIND_FILE, described_kind, read_kind
 from hitab_core import Automaton, Domain, Repertoire, Term
 from hitab_world.inprocess import AutomatonPlayer, Player, perform, play
 from keepaway_world.domain import DOMAIN

@@ -22,10 +22,10 @@ from peers import Command, Learner, Policy
 from school import School, basic_behavior
 from takeovers import Takeovers
 
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander
-from hitab_commander.kind import CommanderKind
+from hitab_commander.kinds.kind import CommanderKind
 from hitab_core import (
     START,
     Automaton,

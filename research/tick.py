@@ -170,7 +170,7 @@ def main(
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
     """Compare a tick of the Keepaway automaton with one of an equivalent py_trees tree."""
-    from hitab_client.shipped import shipped
+    from hitab_client.runs.shipped import shipped
 
     trained = BehaviorLibrary(library or shipped("libraries", "keepaway"), DOMAIN)
     repertoire = Repertoire(DOMAIN, trained.load())

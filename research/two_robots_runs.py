@@ -27,7 +27,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_core import START, Automaton, Domain, HandWritten, HitabError
 from hitab_robots import Mount
-from hitab_ros.stamps import seconds_of
+from hitab_ros.messages.stamps import seconds_of
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples/irsim_robots"
 sys.path.insert(0, str(EXAMPLE))

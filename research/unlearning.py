@@ -27,14 +27,14 @@ import numpy as np
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.situation_text import situation_in_words
-from hitab_core.arrays import Floats
 from hitab_core.default_example import superseding
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.spread import differences, spreads
-from hitab_core.wording import quantity
+from hitab_core.numeric.arrays import Floats
+from hitab_core.numeric.spread import differences, spreads
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.wording import quantity
 
 LIKELY = 0.3
 """Least probability of a mistake that is proposed: overlooking one costs more than asking."""

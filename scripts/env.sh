@@ -81,7 +81,7 @@ export PATH AMENT_PREFIX_PATH VIRTUAL_ENV="$_hitab_venv" PYTHONNOUSERSITE=1
 # 32 processes only and listens on all interfaces; this profile finds 120 and binds to 127.0.0.1.
 # Without it SYSTEM_DEFAULT would mean the network, so that the two are set together or not at all.
 : "${ROS_AUTOMATIC_DISCOVERY_RANGE:=LOCALHOST}"
-_hitab_dds=${_hitab_scripts%/*}/ros2_ws/src/hitab_client/hitab_client/dds_loopback.xml
+_hitab_dds=${_hitab_scripts%/*}/ros2_ws/src/hitab_client/hitab_client/connecting/dds_loopback.xml
 if [ "$ROS_AUTOMATIC_DISCOVERY_RANGE" = LOCALHOST ] && [ -f "$_hitab_dds" ] &&
   [ -z "${FASTRTPS_DEFAULT_PROFILES_FILE:-}${FASTDDS_DEFAULT_PROFILES_FILE:-}" ]; then
   case ${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp} in

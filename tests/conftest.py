@@ -15,7 +15,7 @@ from robot_desk import Desk, desk_with
 from hitab_bringup.processes import supervision
 from hitab_bringup.processes.bringing_up import RunningSwarm
 from hitab_client import domain_ids
-from hitab_client.run_folder import running_swarms
+from hitab_client.runs.run_folder import running_swarms
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ from typing import Any
 
 from rosidl_parser.definition import AbstractSequence, Array, BasicType, NamespacedType
 
-from hitab_client.ros_link import RosLink
+from hitab_client.connecting.ros_link import RosLink
 from hitab_ros import qos
 
 PACKAGES = ("hitab_msgs/", "rosgraph_msgs/", "rcl_interfaces/")

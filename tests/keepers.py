@@ -15,8 +15,8 @@ from hitab_bringup.libraries.opened_library import open_library
 from hitab_bringup.processes.bringing_up import RunningSwarm
 from hitab_bringup.swarm_files.swarm_options import described_swarm
 from hitab_client import SwarmError
-from hitab_client.run_folder import libraries_of
-from hitab_client.shipped import shipped
+from hitab_client.runs.run_folder import libraries_of
+from hitab_client.runs.shipped import shipped
 from hitab_core import BehaviorLibrary
 from hitab_core.operations import DiscardTraining, LoadLibrary, Perform
 from hitab_world import EpisodeResult

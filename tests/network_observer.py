@@ -16,7 +16,7 @@ from typing import Any
 from hitab_msgs import msg, srv
 
 from hitab_ros import names, qos
-from hitab_ros.spinning import Spinner, make_node, run
+from hitab_ros.nodes.spinning import Spinner, make_node, run
 
 SQUADS = ("squad_1", "squad_2", "squad_3")
 

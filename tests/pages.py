@@ -20,7 +20,7 @@ import warm_hitab
 from mentions import ROOT
 from waiting import within
 
-from hitab_client.cli_remedies import CALLED_AS
+from hitab_client.terminal.cli_remedies import CALLED_AS
 
 LEFT_OUT = "[...]"
 """Stands for output that a page leaves out."""

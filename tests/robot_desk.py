@@ -23,11 +23,11 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
 from hitab_client import RosLink, SwarmClient, SwarmError
-from hitab_client.domain_ids import reserved
+from hitab_client.connecting.domain_ids import reserved
 from hitab_client.stops import Stops
 from hitab_core.operations import DiscardTraining, Perform
 from hitab_ros import EmergencySwitch, qos
-from hitab_ros.stamps import seconds_of
+from hitab_ros.messages.stamps import seconds_of
 
 EXAMPLE = ROOT / "examples/diff_drive"
 DOMAIN = "diff_drive.domain:DOMAIN"

@@ -7,8 +7,8 @@ import pytest
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import read_swarm
-from hitab_client.commander_view import CommanderView
-from hitab_client.shipped import find_file
+from hitab_client.runs.shipped import find_file
+from hitab_client.showing.commander_view import CommanderView
 
 KEEPERS = {"keeper_1": (-7.0, 6.0), "keeper_2": (-3.0, 7.0), "keeper_3": (-5.0, 3.0)}
 SECONDS = 60.0

@@ -12,7 +12,7 @@ import pytest
 
 from hitab_bringup import RunningSwarm, parse_swarm, temporary_swarm
 from hitab_client import SwarmError
-from hitab_client.run_processes import process_states
+from hitab_client.runs.run_processes import process_states
 from hitab_core.operations import Perform
 
 KILLS, SEED = 20, 1

@@ -9,7 +9,7 @@ from pages import Reader, steps_of
 
 from hitab_class.exercises import read_exercise
 from hitab_client import LessonError
-from hitab_client.shipped import shipped_folders, shipped_names
+from hitab_client.runs.shipped import shipped_folders, shipped_names
 
 EXERCISES = {"chase", "approach", "correction", "team", "order", "squad"}
 

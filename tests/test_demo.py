@@ -10,7 +10,7 @@ import time
 import psutil
 from keepers import assert_taught_what_is_shipped
 
-from hitab_client.run_folder import MARK
+from hitab_client.runs.run_folder import MARK
 from keepaway_world.demo import DEMO
 
 

@@ -15,11 +15,11 @@ import pytest
 from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client import domain_ids
-from hitab_client.dds_profile import (
+from hitab_client.connecting.dds_profile import (
     RANGE,
     VARIABLES,
 )
-from hitab_client.run_processes import process_states
+from hitab_client.runs.run_processes import process_states
 
 ROOT = Path(__file__).parents[1]
 CHATTER = Path(__file__).with_name("chatter.py")

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_core import BehaviorLibrary, load_domain
 from hitab_core.learning.transition_learning import relearned
 

@@ -14,10 +14,10 @@ SOURCES = Path(__file__).parents[1] / "ros2_ws" / "src"
 MODULES = sorted(
     path for package in SOURCES.glob("*/*/__init__.py") for path in package.parent.rglob("*.py")
 )
-GUARDS = {"hitab_ros/guarded_node.py"}  # where the guarded node is made of a bare one
+GUARDS = {"hitab_ros/nodes/guarded_node.py"}  # where the guarded node is made of a bare one
 SPINS = {
-    "hitab_ros/spinning.py",  # the guarded spin
-    "hitab_client/ros_link.py",  # its own: what a subscriber raises is for the command to see
+    "hitab_ros/nodes/spinning.py",  # the guarded spin
+    "hitab_client/connecting/ros_link.py",  # what a subscriber raises is for the command
     "hitab_ros/testing.py",  # for tests: what a callback raises fails them
 }
 
@@ -54,6 +54,6 @@ def test_no_module_makes_a_node_without_the_guard() -> None:
     bare = {n: list(makes_bare_node(tree)) for n, tree in trees.items() if n not in GUARDS}
     spun = {n: list(spins_bare(tree)) for n, tree in trees.items() if n not in SPINS}
     found = {name: lines for name, lines in bare.items() if lines}
-    assert found == {}, "make it of hitab_ros.guarded_node.GuardedNode"
+    assert found == {}, "make it of hitab_ros.nodes.guarded_node.GuardedNode"
     found = {name: lines for name, lines in spun.items() if lines}
-    assert found == {}, "spin with hitab_ros.spinning.Spinner"
+    assert found == {}, "spin with hitab_ros.nodes.spinning.Spinner"

@@ -29,7 +29,7 @@ from replays import (
 
 from foraging_world.world import ForagingWorld
 from hitab_bringup import open_library
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_core import BehaviorLibrary, Repertoire, Term
 from hitab_export import exported
 from hitab_export.behavior_tree import BUILT_IN

@@ -17,7 +17,7 @@ from hitab_client.recording.bag_file import BagFile
 from hitab_commander import read_kind
 from hitab_core import HitabError
 from hitab_ros import own_hash, qos
-from hitab_studio.replay import Recording
+from hitab_studio.swarm.replay import Recording
 from keepaway_world.world import KeepawayWorld
 
 FORMATS = Path(__file__).parent / "data" / "formats"

@@ -21,13 +21,13 @@ from waiting import within
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
-from hitab_client.ros_link import RosLink
-from hitab_client.run_processes import process_states
+from hitab_client.connecting.ros_link import RosLink
+from hitab_client.runs.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core.operations import Perform
 from hitab_ros import EmergencySwitch
-from hitab_ros.fault_texts import STOPPED
+from hitab_ros.nodes.fault_texts import STOPPED
 
 SECONDS = 60.0
 LOG_MAX = 300_000  # bytes of one process

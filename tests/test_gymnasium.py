@@ -7,7 +7,7 @@ from zlib import crc32
 import pytest
 
 from hitab_world import SimulationWorld, WorldError
-from hitab_world.simulation import SimulationParameters
+from hitab_world.simulating.simulation import SimulationParameters
 from hitab_world.testing import Wandering, check_world
 
 TEAM = Path(__file__).parents[1] / "examples/mpe2_team.py"

@@ -7,7 +7,7 @@ from keepers import played, trained_keepers
 
 from hitab_bringup import open_library, read_swarm, temporary_swarm
 from hitab_client.lessons import LessonPlayer, read_lesson
-from hitab_client.shipped import find_file, shipped
+from hitab_client.runs.shipped import find_file, shipped
 from hitab_core import Example, Repertoire, load_domain
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import variant

@@ -10,7 +10,7 @@ from hitab_msgs import msg
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_ros import names, qos
 
 SECONDS = 60.0

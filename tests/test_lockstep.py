@@ -16,9 +16,9 @@ from hitab_bringup.evaluation import games_of
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_bringup.swarm_files.swarm_file import read_swarm
-from hitab_client.commander_view import CommanderView
-from hitab_client.run_processes import process_states
-from hitab_client.shipped import find_file, shipped
+from hitab_client.runs.run_processes import process_states
+from hitab_client.runs.shipped import find_file, shipped
+from hitab_client.showing.commander_view import CommanderView
 from hitab_world.inprocess import play
 
 SEED = 11

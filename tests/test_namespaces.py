@@ -17,7 +17,7 @@ from hitab_bringup.libraries.run_libraries import prepare
 from hitab_bringup.processes.swarm_processes import processes
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client import RosLink, RunFolder
-from hitab_client.identity import new_identity
+from hitab_client.connecting.identity import new_identity
 from hitab_ros import qos
 
 SECONDS = 60.0

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from lossy_network import LossyNetwork, why_not
 
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 
 HOSTS = (1, 2, 3)
 DELAY_S, LOSS = 0.02, 0.05

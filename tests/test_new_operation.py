@@ -14,8 +14,8 @@ from hitab_msgs import srv
 
 from hitab_agent import agent_main
 from hitab_client import RosLink, SwarmClient, domain_ids
-from hitab_core.operation import Operation, Outcome
 from hitab_core.operations import OPERATIONS
+from hitab_core.training.operation import Operation, Outcome
 
 LESSON = "lesson: Praises\nagent: one\nsteps:\n  - praise: [4, 5]\n"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hitab_client import RosLink, SwarmClient
-from hitab_client.run_folder import running_swarms
+from hitab_client.runs.run_folder import running_swarms
 from hitab_core.operations import BeginTraining, Command, SaveBehavior
 
 SOCCER = """\

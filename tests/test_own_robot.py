@@ -15,7 +15,7 @@ from robot_desk import DOMAIN, EXAMPLE, ROBOT, Desk, desk_with, is_still
 from hitab_client import SwarmError
 from hitab_core import BehaviorLibrary, load_domain
 from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior, Test
-from hitab_robots.velocity import SILENT_S
+from hitab_robots.relay.velocity import SILENT_S
 
 BROKEN = """
 from dataclasses import replace

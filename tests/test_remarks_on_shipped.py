@@ -3,7 +3,7 @@
 import pytest
 
 from hitab_bringup import open_library
-from hitab_client.shipped import shipped_folders
+from hitab_client.runs.shipped import shipped_folders
 from hitab_core import Agent
 from hitab_core.training import Curriculum
 

@@ -7,10 +7,16 @@ import pytest
 from mentions import ROOT, SOURCES
 from test_mentions import complaint
 
-from hitab_client.cli_remedies import CALLED_AS, REMEDY_COMMANDS, THEN, as_command, with_commands
+from hitab_client.terminal.cli_remedies import (
+    CALLED_AS,
+    REMEDY_COMMANDS,
+    THEN,
+    as_command,
+    with_commands,
+)
 from hitab_core import Fix, HitabError
-from hitab_ros.conversions import remedies_of, remedy_messages
-from hitab_studio.ui_remedies import BUTTONS, in_studio
+from hitab_ros.messages.conversions import remedies_of, remedy_messages
+from hitab_studio.pages.ui_remedies import BUTTONS, in_studio
 
 
 def arguments(text):

@@ -10,7 +10,7 @@ import pytest
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior, Test
 
 AGENTS = 60

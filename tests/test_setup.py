@@ -234,7 +234,7 @@ def test_the_environment_file_takes_another_ros_out_of_the_shell(checkout):
 )
 def test_a_prepared_shell_has_a_profile_that_binds_to_this_machine(checkout, said, counts, bound):
     """SYSTEM_DEFAULT is safe with that profile only."""
-    profile = "ros2_ws/src/hitab_client/hitab_client/dds_loopback.xml"
+    profile = "ros2_ws/src/hitab_client/hitab_client/connecting/dds_loopback.xml"
     (checkout.root / profile).parent.mkdir(parents=True)
     shutil.copy(ROOT / profile, checkout.root / profile)
     installed = checkout.root / "jazzy"

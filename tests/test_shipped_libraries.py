@@ -8,7 +8,7 @@ from keepers import assert_taught_what_is_shipped, played, trained_keepers
 
 from hitab_bringup import SwarmDescription, read_swarm, temporary_swarm
 from hitab_client.lessons import LessonPlayer, read_lesson
-from hitab_client.shipped import find_file, shipped
+from hitab_client.runs.shipped import find_file, shipped
 from keepaway_world.demo import DEMO
 
 

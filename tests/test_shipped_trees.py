@@ -13,7 +13,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import load_domain
 from hitab_core.drawing.picture import lay_out, text_sizes
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_studio.graph_layout import INCH, graph
+from hitab_studio.field.graph_layout import INCH, graph
 
 SOURCES = Path(__file__).parents[1] / "ros2_ws/src"
 OF_COMMANDERS = (

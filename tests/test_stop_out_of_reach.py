@@ -14,7 +14,7 @@ import pytest
 from lossy_network import LossyNetwork, why_not
 
 ROBOT, DESK = 1, 2
-RELAY = ["-m", "hitab_robots.velocity_relay", "--ros-args", "-r", "__ns:=/robot_1"]
+RELAY = ["-m", "hitab_robots.relay.velocity_relay", "--ros-args", "-r", "__ns:=/robot_1"]
 ENVIRONMENT = {
     "ROS_DOMAIN_ID": "7",
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",

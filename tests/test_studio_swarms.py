@@ -12,7 +12,7 @@ from keepers import trained_keepers
 
 from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_client import domain_ids
-from hitab_client.run_folder import running_swarms
+from hitab_client.runs.run_folder import running_swarms
 
 
 @pytest.fixture

@@ -12,14 +12,14 @@ from waiting import within
 from hitab_bringup.processes import supervision
 from hitab_bringup.processes.bringing_up import bring_up
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
-from hitab_client.ros_link import RosLink
-from hitab_client.run_folder import RunFolder, running_swarms
-from hitab_client.run_processes import process_states
+from hitab_client.runs.run_folder import RunFolder, running_swarms
+from hitab_client.runs.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core.operations import Perform
-from hitab_ros.exit_codes import DO_NOT_RESTART
+from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 
 LONE = "swarm: lone\ndomain: keepaway\nagents: {lone: {}}\n"
 SOCCER = """\

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from waiting import within
 
-from hitab_client.run_folder import MARK, RunFolder, running_swarms
-from hitab_client.run_processes import process_states
+from hitab_client.runs.run_folder import MARK, RunFolder, running_swarms
+from hitab_client.runs.run_processes import process_states
 
 LONE = "swarm: one\ndomain: keepaway\nagents: {lone: {}}\n"
 SOCCER = """\

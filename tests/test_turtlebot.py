@@ -15,7 +15,7 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
 from hitab_client import RosLink, domain_ids
-from hitab_client.run_folder import running_swarms
+from hitab_client.runs.run_folder import running_swarms
 
 EXAMPLE = ROOT / "examples" / "turtlebot"
 PAGE = "docs/turtlebot.md"

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 import psutil
 
 from hitab_bringup import RunningSwarm
-from hitab_client.run_processes import process_states
+from hitab_client.runs.run_processes import process_states
 
 
 def within(seconds: float, condition: Callable[[], object]) -> bool:

@@ -18,9 +18,9 @@ from pathlib import Path
 IMPORTED = [
     "hitab_cli.main",
     "hitab_cli.verbs.verb_connection",
-    "hitab_client.ros_link",
+    "hitab_client.connecting.ros_link",
     "hitab_client.swarm_client",
-    "hitab_client.swarm_choice",
+    "hitab_client.runs.swarm_choice",
     "hitab_client.world_client",
     "hitab_core.library.behavior_library",
     "rclpy",

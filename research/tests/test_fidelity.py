@@ -11,8 +11,8 @@ import fidelity
 from servo_keepers import ServoKeeper
 
 from keepaway_research.reference.eyes import Eyes
+from keepaway_world.game.physics import Physics
 from keepaway_world.parameters import variant
-from keepaway_world.physics import Physics
 
 BALL = re.compile(r"\(\(b\) (\S+) (\S+) (\S+) (\S+)\)")
 PLAYER = re.compile(r"\(\(p \w \d \S+\) (\S+) (\S+) (\S+) (\S+) (\S+) ")

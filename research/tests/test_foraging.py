@@ -9,7 +9,7 @@ from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import read_swarm
-from hitab_client.shipped import find_file
+from hitab_client.runs.shipped import find_file
 from hitab_ros import qos
 from hitab_world.inprocess import play
 

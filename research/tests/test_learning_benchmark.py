@@ -16,7 +16,7 @@ from soccer_tasks import Drill, Keepaway
 from takeovers import HOLD_CYCLES, Takeovers
 from typer.testing import CliRunner
 
-from hitab_client.shipped import shipped
+from hitab_client.runs.shipped import shipped
 from hitab_core import START, BehaviorLibrary, FeatureKind, Scale, Term
 from hitab_core.learning.feature_encoding import encoding_of
 

@@ -10,7 +10,7 @@ from taught import examples_of
 from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_client.lessons.lesson import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
-from hitab_client.shipped import find_file, shipped
+from hitab_client.runs.shipped import find_file, shipped
 
 SLOW = {"taker_speed": 0.25}
 FULL_SPEED = {"taker_speed": 1.0, "ball_collides": True}

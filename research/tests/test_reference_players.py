@@ -14,9 +14,9 @@ from keepaway_research.reference.eyes import Eyes
 from keepaway_research.reference.keepers import ReferenceKeeper
 from keepaway_research.reference.policies import hand
 from keepaway_research.reference.takers import ReferenceTaker
+from keepaway_world.game.physics import Physics
+from keepaway_world.game.players import KEEPERS, offered
 from keepaway_world.parameters import variant
-from keepaway_world.physics import Physics
-from keepaway_world.players import KEEPERS, offered
 from keepaway_world.world import KeepawayWorld
 
 DATA = Path(__file__).parent / "data"

@@ -7,8 +7,8 @@ import pytest
 from unlearning import Correction, ProposalKind, propose, suspects
 
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, contradictions
+from hitab_core.texts.errors import TrainingError
 
 METERS = Scale()
 DIRECTION = Scale(FeatureKind.TOROIDAL, 360.0)

@@ -8,7 +8,7 @@ setup(
     name=NAME,
     version="0.1.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed", "**/*.pyi", "*.xml", "**/*.yaml"]},
+    package_data={NAME: ["py.typed", "**/*.pyi", "**/*.xml", "**/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["LICENSE", "package.xml"]),

@@ -21,6 +21,6 @@ setup(
     extras_require={"test": ["pytest", "hypothesis"]},
     zip_safe=True,
     entry_points={
-        "console_scripts": ["velocity_relay = hitab_robots.velocity_relay:main"],
+        "console_scripts": ["velocity_relay = hitab_robots.relay.velocity_relay:main"],
     },
 )

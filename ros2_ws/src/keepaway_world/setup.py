@@ -36,7 +36,7 @@ setup(
         "hitab.shipped": ["keepaway_world = keepaway_world"],
         "hitab.domains": [
             "keepaway = keepaway_world.domain:DOMAIN",
-            "keepaway_continuous = keepaway_world.continuous:DOMAIN",
+            "keepaway_continuous = keepaway_world.game.continuous:DOMAIN",
             "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
         ],
         "hitab.demos": ["keepaway = keepaway_world.demo:DEMO"],

@@ -26,7 +26,7 @@ from proxy import PATH, proxy
 
 from hitab_client import SwarmError
 from hitab_client.recording import RecordedMessages
-from hitab_client.users import user_name
+from hitab_client.runs.users import user_name
 from hitab_core.operations import BeginTraining, Command, Perform, SaveBehavior
 
 

@@ -15,7 +15,7 @@ from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_core.operations import BeginTraining
-from hitab_studio.scene import SHOWN_MODES, SILENT_MODE
+from hitab_studio.field.scene import SHOWN_MODES, SILENT_MODE
 
 SECONDS = 60.0
 SILENT_MODE = 1 + SHOWN_MODES.index(SILENT_MODE)

@@ -13,7 +13,7 @@ from hitab_client.bootstrapping import (
     generations_folder,
     read_generations,
 )
-from hitab_client.run_folder import libraries_of
+from hitab_client.runs.run_folder import libraries_of
 from hitab_core.operations import BeginTraining, Command, DiscardTraining, Perform
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"

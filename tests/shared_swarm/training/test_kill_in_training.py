@@ -6,7 +6,7 @@ import signal
 import pytest
 from waiting import pid_of
 
-from hitab_client.run_folder import libraries_of
+from hitab_client.runs.run_folder import libraries_of
 from hitab_core.operations import (
     BeginTraining,
     Command,

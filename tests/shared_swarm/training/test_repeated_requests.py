@@ -15,7 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from hitab_client import domain_ids
-from hitab_client.ros_link import RosLink
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
 from hitab_core.operations import (
     BeginTraining,

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_client.interruptions import handle_interruptions
-from hitab_client.world_as_it_was import as_it_was
+from hitab_client.showing.world_as_it_was import as_it_was
+from hitab_client.terminal.interruptions import handle_interruptions
 
 
 @pytest.fixture

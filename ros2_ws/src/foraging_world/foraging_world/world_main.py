@@ -14,7 +14,7 @@ from rclpy.node import Node
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_world import run_world
-from hitab_world.ros_parameters import declare_parameters
+from hitab_world.node.ros_parameters import declare_parameters
 
 
 def make_world(node: Node, seed: int) -> ForagingWorld:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from half_field_world import field
 from keepaway_world.body import CORNERS, NO_PLAYER, KeeperBody
-from keepaway_world.kicking import off_place, pass_speed
+from keepaway_world.game.kicking import off_place, pass_speed
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import BALL
 

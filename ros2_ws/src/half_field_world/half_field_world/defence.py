@@ -14,8 +14,8 @@ from itertools import pairwise
 
 from half_field_world import field
 from keepaway_world.action import Order
-from keepaway_world.angles import wrapped
-from keepaway_world.interception import (
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.interception import (
     ALIGNED,
     FULL,
     HORIZON,
@@ -24,8 +24,8 @@ from keepaway_world.interception import (
     power_to_rest,
     turn_by,
 )
-from keepaway_world.physics import Mover, Physics
-from keepaway_world.takers import stop_ball
+from keepaway_world.game.physics import Mover, Physics
+from keepaway_world.game.takers import stop_ball
 
 MARKING = 1.5  # m: distance from a marked attacker, towards the goal
 ARRIVED = 0.5  # m

@@ -11,12 +11,12 @@ from typing import Any
 
 from half_field_world.body import GOAL, SPOT, AttackerBody
 from hitab_core import BasicBehavior, Domain, Feature, Target
-from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import FAST, TURN_WHEN_OFF, go_by, pass_to, send_ball, stop, turn_to
 from keepaway_world.body import NO_PLAYER
 from keepaway_world.domain import DOMAIN as KEEPAWAY
 from keepaway_world.features import NAN
-from keepaway_world.interception import HORIZON, Interceptor
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.interception import HORIZON, Interceptor
 from keepaway_world.parameters import PAPER
 from keepaway_world.percept import BALL
 

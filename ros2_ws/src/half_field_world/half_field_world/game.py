@@ -16,10 +16,10 @@ from half_field_world import field
 from half_field_world.defence import Defence
 from half_field_world.parameters import HalfFieldParameters
 from hitab_world import Entity, Look, Measure
-from hitab_world.snapshots import whole
-from keepaway_world.physics import Mover, Names, Physics
-from keepaway_world.referee import OUT, Referee
-from keepaway_world.rules import BALL_LOOK, TAKER, Rules
+from hitab_world.simulating.snapshots import whole
+from keepaway_world.game.physics import Mover, Names, Physics
+from keepaway_world.game.referee import OUT, Referee
+from keepaway_world.game.rules import BALL_LOOK, TAKER, Rules
 from keepaway_world.world import KeepawayWorld
 
 GOAL, CAUGHT, OFFSIDE, TIME = "goal", "caught", "offside", "time"

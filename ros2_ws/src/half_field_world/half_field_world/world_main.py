@@ -7,7 +7,7 @@ from rclpy.node import Node
 from half_field_world.game import half_field
 from half_field_world.parameters import HalfFieldParameters
 from hitab_world import run_world
-from hitab_world.ros_parameters import declare_parameters
+from hitab_world.node.ros_parameters import declare_parameters
 from keepaway_world.world import KeepawayWorld
 
 

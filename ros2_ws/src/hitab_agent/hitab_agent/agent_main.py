@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_agent.agent_node import AgentNode
+from hitab_agent.node.agent_node import AgentNode
 from hitab_ros import Spinner, check_name_is_free, give_signs_of_life, run
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.agent_base import AgentBase
+from hitab_agent.node.agent_base import AgentBase
 from hitab_core import (
     FLAGS,
     OWN_FEATURES,
@@ -27,11 +27,11 @@ from hitab_core import (
 )
 from hitab_core.assistant import training_costs
 from hitab_core.codec import from_dict
-from hitab_core.operation import Operation
+from hitab_core.training.operation import Operation
 from hitab_ros import names, qos
 from hitab_ros.answering import refuse
-from hitab_ros.checks import BadMessage, check
-from hitab_ros.conversions import (
+from hitab_ros.messages.checks import BadMessage, check
+from hitab_ros.messages.conversions import (
     cost_message,
     feature_message,
     message_of,

@@ -4,7 +4,7 @@ For example::
 
     python -m hitab_agent.host_main --ros-args -p roster:=host_1.json
 
-A JSON file lists the agents with their parameters (see `hitab_agent.settings`)::
+A JSON file lists the agents with their parameters (see `hitab_agent.node.settings`)::
 
     [{"name": "ant_1", "parameters": {"domain": "foraging", "commander": "chief"},
       "remap": {"cmd_vel": "/base_1/cmd_vel"}},

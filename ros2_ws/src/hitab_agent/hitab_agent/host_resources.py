@@ -5,17 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hitab_agent.agent_base import AgentBase
-from hitab_agent.distribution import Distributions
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
-from hitab_agent.order_subscriptions import OrderSubscriptions
+from hitab_agent.links.order_subscriptions import OrderSubscriptions
+from hitab_agent.links.report_outbox import ReportOutbox
+from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.process_signs import ProcessSigns
-from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.scheduler import JobQueue, Scheduler
+from hitab_agent.topics.distribution import Distributions
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
 from hitab_ros import GuardedNode, names
-from hitab_ros.diagnostics import Diagnostics
+from hitab_ros.nodes.diagnostics import Diagnostics
 from hitab_ros.timing import AT_ONCE_S, TURN_S
 
 if TYPE_CHECKING:

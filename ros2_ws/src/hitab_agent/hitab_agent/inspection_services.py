@@ -6,8 +6,8 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.automaton_message import automaton_message, training_message
-from hitab_agent.guarded_tick import failing
+from hitab_agent.node.guarded_tick import failing
+from hitab_agent.topics.automaton_message import automaton_message, training_message
 from hitab_core import (
     FLAGS,
     Agent,
@@ -18,7 +18,7 @@ from hitab_core import (
 from hitab_core.library import difference
 from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
-from hitab_ros.conversions import message_of, pairs_of
+from hitab_ros.messages.conversions import message_of, pairs_of
 
 Origin: Any = srv.GetBehavior.Response
 

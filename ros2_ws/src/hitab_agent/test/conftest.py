@@ -12,13 +12,13 @@ from rclpy.clock import Clock, ClockType
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 
-from hitab_agent.agent_node import AgentNode
+from hitab_agent.node.agent_node import AgentNode
 from hitab_core import Domain
-from hitab_core.operation import Operation
 from hitab_core.operations import Command
+from hitab_core.training.operation import Operation
 from hitab_ros import names, qos
-from hitab_ros.conversions import request_of
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.messages.conversions import request_of
+from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, spin_until
 
 

@@ -21,7 +21,7 @@ from rclpy.task import Future
 
 from hitab_agent.actions.action_clients import ActionClients, check_actions
 from hitab_agent.actions.goal import Limits
-from hitab_agent.restart_memory import RestartMemory
+from hitab_agent.node.restart_memory import RestartMemory
 from hitab_core import (
     START,
     ActionBehavior,
@@ -448,5 +448,5 @@ def test_feedback_that_is_mistyped_is_refused_at_the_start_with_its_place(featur
 
 
 def test_an_agent_without_actions_does_not_load_them():
-    loaded = "import sys, hitab_agent.agent_node; print('rclpy.action' in sys.modules)"
+    loaded = "import sys, hitab_agent.node.agent_node; print('rclpy.action' in sys.modules)"
     assert subprocess.check_output([sys.executable, "-c", loaded], text=True) == "False\n"

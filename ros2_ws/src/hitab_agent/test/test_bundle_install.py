@@ -11,8 +11,8 @@ import pytest
 from bodies import Body
 from hitab_msgs import msg
 
-from hitab_agent.agent_node import AgentNode
 from hitab_agent.host_resources import HostResources
+from hitab_agent.node.agent_node import AgentNode
 from hitab_agent.scheduler import JobQueue
 from hitab_core.agent import Agent
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
@@ -21,8 +21,8 @@ from hitab_core.library import bundle, change, loaded_library
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle
 from hitab_core.library.durable_files import locked
-from hitab_core.mode import Mode
 from hitab_core.operations import Distribute
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
 from hitab_core.training import Curriculum
 from hitab_ros import names, qos

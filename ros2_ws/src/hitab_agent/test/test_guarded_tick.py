@@ -7,11 +7,11 @@ from pathlib import Path
 
 from bodies import UnseeingBody
 
-from hitab_agent.guarded_tick import TICK, VALUES, GuardedTick
+from hitab_agent.node.guarded_tick import TICK, VALUES, GuardedTick
 from hitab_core import Agent, BehaviorLibrary, Domain, Feature, Term
 from hitab_core.domain import BasicBehavior
 from hitab_core.training import Curriculum
-from hitab_ros.guard import Guard
+from hitab_ros.nodes.guard import Guard
 
 
 class Body(UnseeingBody):

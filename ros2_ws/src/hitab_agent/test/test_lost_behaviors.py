@@ -9,15 +9,15 @@ import pytest
 from bodies import Body
 from hitab_msgs import msg
 
-from hitab_agent.agent_node import AgentNode
 from hitab_agent.host_resources import HostResources
-from hitab_agent.restart_memory import RestartMemory
+from hitab_agent.node.agent_node import AgentNode
+from hitab_agent.node.restart_memory import RestartMemory
 from hitab_core import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.operation import Operation
 from hitab_core.operations import Distribute, LoadLibrary, Perform
 from hitab_core.term import Term
 from hitab_core.training import Curriculum
+from hitab_core.training.operation import Operation
 
 DOMAIN = Domain.of(
     "walkers",

@@ -15,7 +15,7 @@ from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 from hitab_core import START, Automaton, BasicBehavior, Domain, Feature, HandWritten, Target, Term
 from hitab_core.operations import BeginTraining
 from hitab_ros import GuardedNode, qos
-from hitab_ros.conversions import pairs_message
+from hitab_ros.messages.conversions import pairs_message
 
 _choose = HandWritten(
     lambda x: "Done" if x == 1.0 else "Failed" if x == 2.0 else "Wait" if x < 0.0 else "Go", (0,)

@@ -8,11 +8,11 @@ import pytest
 from bodies import Body
 from hitab_msgs import msg, srv
 
-from hitab_agent.agent_node import AgentNode
+from hitab_agent.node.agent_node import AgentNode
 from hitab_core import BasicBehavior, Domain, Feature, HitabError, Term
 from hitab_core.training import Curriculum
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names, qos
-from hitab_ros.conversions import pairs_message
+from hitab_ros.messages.conversions import pairs_message
 
 
 class Ahead(Body):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hitab_agent.restart_memory import FILE_NAME, RestartMemory
+from hitab_agent.node.restart_memory import FILE_NAME, RestartMemory
 
 RUN, NEXT_RUN = "keepaway-1", "keepaway-2"
 

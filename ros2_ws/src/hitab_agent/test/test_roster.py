@@ -7,7 +7,7 @@ import rclpy
 from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
-from hitab_core.errors import HitabError
+from hitab_core.texts.errors import HitabError
 
 
 def read(process, folder, roster):

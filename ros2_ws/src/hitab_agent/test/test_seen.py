@@ -27,7 +27,7 @@ from hitab_core import (
     TransitionTree,
 )
 from hitab_core.operations import Perform
-from hitab_ros.diagnostics import STATUSES_MAX, Diagnosis, Level, shown
+from hitab_ros.nodes.diagnostics import STATUSES_MAX, Diagnosis, Level, shown
 
 
 def _automaton() -> Automaton:

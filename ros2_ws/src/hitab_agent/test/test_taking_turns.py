@@ -6,10 +6,10 @@ from typing import Any
 from hitab_msgs import msg, srv
 
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
-from hitab_agent.order_subscriptions import OrderSubscriptions
+from hitab_agent.links.order_subscriptions import OrderSubscriptions
 from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_ros import names, qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.nodes.guarded_node import GuardedNode
 
 
 def test_what_is_put_off_is_done_in_order_with_room_for_something_else_in_between(process):

@@ -9,11 +9,11 @@ import pytest
 from hitab_msgs import msg
 
 from hitab_agent.scheduler import Scheduler
-from hitab_agent.training_topic import TrainingTopic
+from hitab_agent.topics.training_topic import TrainingTopic
 from hitab_core import Agent, BehaviorLibrary, Term, plain_domain
 from hitab_core.training import Curriculum
 from hitab_ros import names, qos
-from hitab_ros.conversions import pairs_of
+from hitab_ros.messages.conversions import pairs_of
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position", "Speed"])
 
@@ -110,7 +110,7 @@ def test_nothing_is_built_while_nobody_subscribes(
 ) -> None:
     built: list[str] = []
     monkeypatch.setattr(
-        "hitab_agent.training_topic.training_message", lambda *_: built.append("built")
+        "hitab_agent.topics.training_topic.training_message", lambda *_: built.append("built")
     )
     trained.begin()
     done: list[str] = []

@@ -15,7 +15,7 @@ from hitab_bringup.swarm_files.swarm_description import (
     CommanderDescription,
     SwarmDescription,
 )
-from hitab_client.run_folder import RunFolder
+from hitab_client.runs.run_folder import RunFolder
 from hitab_commander import CommanderKind
 from hitab_commander.commander_domain import commander_domain
 from hitab_core import (

@@ -29,7 +29,7 @@ from hitab_core import BehaviorLibrary, HitabError, has, some
 from hitab_core.library.yaml_places import read_yaml
 from hitab_world import MORE, SECONDS, EpisodeResult, Measure, World
 from hitab_world.inprocess import AutomatonPlayer, Between, Player, play
-from hitab_world.ros_parameters import GivenParameters
+from hitab_world.node.ros_parameters import GivenParameters
 
 SIDES = ("evaluated", "against")
 """Names of two compared casts."""

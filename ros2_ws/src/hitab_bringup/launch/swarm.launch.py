@@ -19,11 +19,11 @@ from hitab_bringup.libraries.run_libraries import prepare
 from hitab_bringup.processes.swarm_processes import processes
 from hitab_bringup.swarm_files.swarm_description import PACES, Process
 from hitab_bringup.swarm_files.swarm_options import described_swarm
-from hitab_client.dds_profile import choose_profile, profile_for
-from hitab_client.identity import new_identity
-from hitab_client.run_folder import RunFolder
+from hitab_client.connecting.dds_profile import choose_profile, profile_for
+from hitab_client.connecting.identity import new_identity
+from hitab_client.runs.run_folder import RunFolder
 from hitab_core import HitabError
-from hitab_ros.exit_codes import DO_NOT_RESTART
+from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from launch import LaunchContext, LaunchDescription
 
 try:

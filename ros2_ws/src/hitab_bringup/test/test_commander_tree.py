@@ -11,8 +11,8 @@ from hitab_bringup.libraries.run_libraries import prepare
 from hitab_bringup.processes.swarm_processes import processes
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_cli.verbs.perform.hierarchy_verbs import line_of
-from hitab_client.commander_view import tree_of
 from hitab_client.errors import DescriptionError
+from hitab_client.showing.commander_view import tree_of
 
 HERE = Path("/somewhere/team.yaml")
 HEAD = """\

@@ -7,8 +7,8 @@ import pytest
 from hitab_bringup.processes.swarm_processes import processes
 from hitab_bringup.swarm_files.swarm_file import parse_swarm, read_swarm
 from hitab_client.errors import DescriptionError
-from hitab_client.shipped import find_file
-from hitab_core.errors import HitabError
+from hitab_client.runs.shipped import find_file
+from hitab_core.texts.errors import HitabError
 
 HERE = Path("/somewhere/team.yaml")
 

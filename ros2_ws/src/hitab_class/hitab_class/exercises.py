@@ -38,9 +38,9 @@ from hitab_bringup import (
     value_of,
 )
 from hitab_client import LessonError, WorldView
-from hitab_client.cli_remedies import called
 from hitab_client.lessons import Condition
-from hitab_client.shipped import find_file
+from hitab_client.runs.shipped import find_file
+from hitab_client.terminal.cli_remedies import called
 from hitab_core import BehaviorLibrary, ExampleKind, HitabError, has, quantity
 from hitab_core.library import BehaviorFile, Expectation
 from hitab_core.library.yaml_models import Format, OneOf, Record, Texts, open_record

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.cli_options import JsonPath, SwarmName
-from hitab_client.shipped import find_file, shipped_names
+from hitab_client.runs.shipped import find_file, shipped_names
+from hitab_client.terminal.cli_options import JsonPath, SwarmName
 from hitab_core import quantity
 
 
@@ -51,7 +51,7 @@ def _graded(name: str, path: Path, library: str | None, swarm: str | None) -> li
     """Grade an exercise and print the grades."""
     from hitab_bringup import named_library
     from hitab_class.exercises import Student, read_exercise
-    from hitab_client.run_folder import libraries_of, state_home
+    from hitab_client.runs.run_folder import libraries_of, state_home
 
     exercise = read_exercise(path)
     libraries = libraries_of(state_home() / (swarm or exercise.swarm))

@@ -18,8 +18,8 @@ from typer.core import TyperGroup
 
 from hitab_cli.help_pages import make_helpful
 from hitab_client import console, interruptions
-from hitab_client.cli_remedies import called
-from hitab_client.ros_environment import refuse_problems
+from hitab_client.connecting.ros_environment import refuse_problems
+from hitab_client.terminal.cli_remedies import called
 from hitab_core import HitabError, installed_version
 
 VERBS = "hitab.verbs"

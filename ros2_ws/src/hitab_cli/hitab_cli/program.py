@@ -25,7 +25,7 @@ def main() -> None:
 
         run()
     except KeyboardInterrupt:  # while importing; later, the command handles it
-        exec("")  # see hitab_client.interruptions.forget_handled
+        exec("")  # see hitab_client.terminal.interruptions.forget_handled
         print("interrupted", file=sys.stderr)
         sys.exit(130)
     except ModuleNotFoundError as missing:

@@ -8,7 +8,7 @@ from hitab_msgs import msg, srv
 from rclpy.clock import Clock, ClockType
 
 from hitab_client import domain_ids
-from hitab_client.ros_link import RosLink
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
 from hitab_core.operations import Distribute
 from hitab_ros import names, qos

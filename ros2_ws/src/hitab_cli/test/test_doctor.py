@@ -14,8 +14,8 @@ from hitab_msgs.msg import AgentStatus
 from hitab_bringup.doctor import ros, runs
 from hitab_cli.main import make_app
 from hitab_client import RosLink, RunFolder, RunRecord, domain_ids, ros_environment
-from hitab_client.dds_profile import LOOPBACK, RANGE, VARIABLES
-from hitab_client.run_folder import MARK
+from hitab_client.connecting.dds_profile import LOOPBACK, RANGE, VARIABLES
+from hitab_client.runs.run_folder import MARK
 from hitab_ros import qos
 
 

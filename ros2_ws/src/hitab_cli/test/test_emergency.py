@@ -14,7 +14,7 @@ from hitab_cli.main import make_app
 from hitab_cli.verbs.perform import emergency_verbs as emergency
 from hitab_client import RunFolder, RunRecord, domain_ids, run_folder, swarm_choice
 from hitab_ros import KnownStops, Stop, qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.nodes.guarded_node import GuardedNode
 
 
 @pytest.fixture(autouse=True)

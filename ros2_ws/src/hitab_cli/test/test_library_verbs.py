@@ -23,7 +23,7 @@ from hitab_bringup.swarm_files.swarm_options import described_swarm
 from hitab_cli.main import make_app
 from hitab_cli.verbs.libraries import library_change_verbs as library_changes
 from hitab_client import DescriptionError, RunFolder, RunRecord, SwarmError
-from hitab_client.shipped import find_file, shipped
+from hitab_client.runs.shipped import find_file, shipped
 from hitab_core import BehaviorLibrary, LearningAgent, LibraryError, load_domain
 
 KEEPAWAY = ["ApproachBall", "ControlBall", "GotoBall", "Keepaway"]

@@ -9,7 +9,7 @@ from hitab_msgs.msg import AgentStatus
 from hitab_cli.main import make_app
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import RosLink, SwarmError, domain_ids, swarm_choice
-from hitab_client.identity import new_identity
+from hitab_client.connecting.identity import new_identity
 from hitab_ros import qos
 
 ERROR = "error: no swarm answers in ROS domain {}\n  start keepaway: `hitab up keepaway`"

@@ -68,7 +68,7 @@ def test_a_terminal_is_left_as_it_was_found_whatever_happens():
 WAITS = """
 import time
 from hitab_cli.views.terminal_keys import TerminalKeys
-from hitab_client.interruptions import handle_interruptions
+from hitab_client.terminal.interruptions import handle_interruptions
 handle_interruptions()
 with TerminalKeys(0):
     print("ready", flush=True)

@@ -8,7 +8,7 @@ from typing import Any
 
 from hitab_msgs.msg import DistributionAck
 
-from hitab_client.ros_link import RosLink
+from hitab_client.connecting.ros_link import RosLink
 from hitab_ros import names, qos
 from hitab_ros.timing import PROMPT_S
 

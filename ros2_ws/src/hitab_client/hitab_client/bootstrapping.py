@@ -17,14 +17,14 @@ from hitab_msgs.msg import WorldStatus
 from pydantic import ConfigDict, Field
 
 from hitab_client.errors import LessonError, SwarmError
-from hitab_client.interruptions import not_interrupted
 from hitab_client.learned import Learned
 from hitab_client.lessons.lesson import Lesson, parse_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
-from hitab_client.run_folder import state_home
+from hitab_client.runs.run_folder import state_home
 from hitab_client.scores import Score, score_of
+from hitab_client.showing.world_as_it_was import arranged_as_it_was, standing_still
 from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_as_it_was import arranged_as_it_was, standing_still
+from hitab_client.terminal.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
 from hitab_core import Fix, quantity, some
 from hitab_core.library import time_now

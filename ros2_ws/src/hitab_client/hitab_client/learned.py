@@ -23,7 +23,7 @@ from hitab_core.assistant import TrainingCost
 from hitab_core.codec import fields_of, from_dict
 from hitab_core.learning import root_of
 from hitab_core.regression import Neighbors, learn_numbers
-from hitab_ros.conversions import cost_of, numbers_of_behaviors, remarks_of
+from hitab_ros.messages.conversions import cost_of, numbers_of_behaviors, remarks_of
 
 
 @dataclass(frozen=True)

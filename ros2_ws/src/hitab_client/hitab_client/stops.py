@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from hitab_msgs.msg import StopState
 from hitab_msgs.srv import Arm
 
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
-from hitab_client.ros_link import RosLink
 from hitab_core import natural, some
 from hitab_ros import EmergencySwitch, names, qos, why_stopped
 from hitab_ros.call import blocking

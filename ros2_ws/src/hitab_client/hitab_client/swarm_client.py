@@ -11,17 +11,17 @@ from hitab_msgs.msg import Training as TrainingMessage
 from hitab_msgs.srv import GetBehavior, GetReport, GetVocabulary, ReadFeatures
 
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
-from hitab_client.agent_presence import AgentPresence
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
-from hitab_client.ros_link import RosLink
-from hitab_client.run_processes import RunProcesses
-from hitab_client.users import user_name
+from hitab_client.runs.run_processes import RunProcesses
+from hitab_client.runs.users import user_name
+from hitab_client.showing.agent_presence import AgentPresence
 from hitab_core import Fix
-from hitab_core.operation import Operation
 from hitab_core.operations import Command, Distribute, LoadLibrary
+from hitab_core.training.operation import Operation
 from hitab_ros import BusyTimeout, names, qos
 from hitab_ros.call import Turns, blocking, turn
-from hitab_ros.conversions import cost_of, request_of
+from hitab_ros.messages.conversions import cost_of, request_of
 from hitab_ros.timing import ANSWER_S, DISCOVERY_S
 
 if TYPE_CHECKING:

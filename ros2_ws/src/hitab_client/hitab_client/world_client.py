@@ -9,15 +9,15 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
+from hitab_client.connecting.identity import is_own, other_swarm
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
-from hitab_client.identity import is_own, other_swarm
-from hitab_client.ros_link import RosLink
-from hitab_client.run_processes import RunProcesses
+from hitab_client.runs.run_processes import RunProcesses
 from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.call import blocking
-from hitab_ros.conversions import remedies_of
-from hitab_ros.stamps import seconds_of
+from hitab_ros.messages.conversions import remedies_of
+from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.timing import FOUND_S, PROMPT_S, REPEAT_S
 
 NO_WORLD = "no world answers; is a swarm with a world up?"

@@ -18,7 +18,7 @@ from hitab_client.lessons.conditions import (
     Said,
     Speed,
 )
-from hitab_client.world_view import WorldView
+from hitab_client.showing.world_view import WorldView
 
 
 @dataclass

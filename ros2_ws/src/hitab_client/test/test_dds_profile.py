@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 from hitab_client import RosLink, dds_profile, domain_ids
-from hitab_client.dds_profile import VARIABLES
+from hitab_client.connecting.dds_profile import VARIABLES
 
 
 def test_no_profile_of_hitab_uses_shared_memory():

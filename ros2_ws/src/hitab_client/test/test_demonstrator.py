@@ -12,11 +12,11 @@ from hitab_client.demonstrating import Demonstrator, KeyboardInput
 from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import BoundedNumber
-from hitab_core.operation import Operation
 from hitab_core.operations import Command, Perform, TakeOver, Test, Undo
+from hitab_core.training.operation import Operation
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.call import Caller, blocking
-from hitab_ros.conversions import number_messages
+from hitab_ros.messages.conversions import number_messages
 from hitab_ros.timing import FOUND_S
 
 ONE, TWO = "robot_1", "robot_2"

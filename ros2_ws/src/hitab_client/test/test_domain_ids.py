@@ -6,7 +6,7 @@ import sys
 from types import SimpleNamespace
 
 from hitab_client import RunFolder, RunRecord, domain_ids
-from hitab_client.run_folder import MARK
+from hitab_client.runs.run_folder import MARK
 
 
 def test_a_second_swarm_passes_over_domains_that_strangers_use(monkeypatch):

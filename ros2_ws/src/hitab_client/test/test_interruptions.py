@@ -8,7 +8,7 @@ import pytest
 
 BEGIN = """
 import signal
-from hitab_client.interruptions import *
+from hitab_client.terminal.interruptions import *
 handle_interruptions()
 """
 DEFERRED = (
@@ -111,7 +111,7 @@ def test_ctrl_c_that_was_handled_ends_with_the_status_also_while_a_class_is_defi
     """Without `forget_handled` Python 3.11 ends by the signal, with return code -2."""
     (tmp_path / "command.py").write_text(
         "import sys\n"
-        "from hitab_client.interruptions import forget_handled\n"
+        "from hitab_client.terminal.interruptions import forget_handled\n"
         "try:\n"
         "    exec('raise KeyboardInterrupt')\n"
         "except KeyboardInterrupt:\n"

@@ -9,7 +9,7 @@ import pytest
 from std_msgs.msg import String
 
 from hitab_client import domain_ids
-from hitab_client.ros_link import RosLink
+from hitab_client.connecting.ros_link import RosLink
 
 LEAVING = """
 import sys

@@ -8,7 +8,7 @@ import pytest
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import ActiveState, Distance, Passed
 from hitab_client.lessons.lesson import Until, parse_lesson, read_lesson
-from hitab_client.shipped import find_file
+from hitab_client.runs.shipped import find_file
 from hitab_core.operations import (
     BeginTraining,
     Command,

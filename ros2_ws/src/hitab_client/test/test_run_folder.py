@@ -10,8 +10,8 @@ from hitab_bringup.processes.supervisor_config import supervisor_config, write_c
 from hitab_bringup.processes.swarm_processes import processes
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
-from hitab_client.run_folder import RunFolder, RunRecord, state_home
-from hitab_client.swarm_choice import find_running
+from hitab_client.runs.run_folder import RunFolder, RunRecord, state_home
+from hitab_client.runs.swarm_choice import find_running
 
 
 @pytest.fixture(autouse=True)

@@ -9,8 +9,8 @@ import pytest
 
 from hitab_client import run_processes
 from hitab_client.errors import SwarmError
-from hitab_client.run_folder import RunRecord
-from hitab_client.run_processes import RunProcesses, process_states, sentences
+from hitab_client.runs.run_folder import RunRecord
+from hitab_client.runs.run_processes import RunProcesses, process_states, sentences
 
 
 class Handler(SimpleXMLRPCRequestHandler):

@@ -5,7 +5,7 @@ from typing import Any
 
 from hitab_msgs.msg import Alive
 
-from hitab_client.agent_presence import AgentPresence
+from hitab_client.showing.agent_presence import AgentPresence
 
 
 def test_signs_are_heard_in_the_namespace_of_the_swarm_and_of_no_other_swarm():

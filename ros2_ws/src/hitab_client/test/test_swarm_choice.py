@@ -7,7 +7,7 @@ import pytest
 
 from hitab_client import swarm_choice
 from hitab_client.errors import SwarmError
-from hitab_client.run_folder import RunFolder, RunRecord
+from hitab_client.runs.run_folder import RunFolder, RunRecord
 from hitab_core import Fix
 
 RED = RunRecord("red", "r.yaml", 3, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")

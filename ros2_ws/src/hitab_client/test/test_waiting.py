@@ -9,8 +9,8 @@ import pytest
 from hitab_msgs import srv
 from hitab_msgs.msg import AgentStatus
 
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
-from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
 from hitab_core.operations import Command, Perform, Test
 from hitab_ros.busy_timeout import BUSY_FACTOR

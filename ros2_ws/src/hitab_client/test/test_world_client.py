@@ -9,8 +9,8 @@ from hitab_msgs.msg import Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Play
 
 from hitab_client.errors import SwarmError
-from hitab_client.run_folder import RunRecord
-from hitab_client.run_processes import RunProcesses
+from hitab_client.runs.run_folder import RunRecord
+from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.world_client import WorldClient
 from hitab_ros.call import Caller, blocking
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Sequence
 from statistics import fmean
 
-from hitab_commander.kind import Observation, Over
+from hitab_commander.kinds.kind import Observation, Over
 from hitab_core.orders import OrderId, Report
 
 NAN = math.nan

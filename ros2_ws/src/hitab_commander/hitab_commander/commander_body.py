@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hitab_commander.aggregation import observed, of_positions, summed_up
-from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
+from hitab_commander.kinds.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
 from hitab_commander.roll_call import RollCall
 from hitab_core.orders import ALL_OTHERS, Order, OrderId, Report
 

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 from hitab_commander.commander_body import CommanderBody
-from hitab_commander.kind import (
+from hitab_commander.kinds.kind import (
     CommanderKind,
     GroupFeature,
     Observation,

@@ -15,8 +15,8 @@ from hitab_commander.rounds import Lockstep, Round
 from hitab_core import RESERVED_NAMES, Mode
 from hitab_core.orders import Order, Report
 from hitab_ros import ListenedTime, names, qos
-from hitab_ros.conversions import order_message
-from hitab_ros.stamps import time_of
+from hitab_ros.messages.conversions import order_message
+from hitab_ros.messages.stamps import time_of
 from hitab_ros.timing import HEARTBEAT_S, POLL_S
 
 EPISODES_KNOWN = 8

@@ -10,9 +10,9 @@ from hitab_msgs import msg
 from hitab_agent import AgentNode
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.commander_link import CommanderLink
-from hitab_commander.kind_reader import read_kind
+from hitab_commander.kinds.kind_reader import read_kind
 from hitab_core import Domain, HitabError, Mode, some
-from hitab_ros.diagnostics import Level
+from hitab_ros.nodes.diagnostics import Level
 
 NAMED_MAX = 10  # maximum number of subordinates that a diagnosis names
 
@@ -21,7 +21,7 @@ class CommanderNode(AgentNode):
     """One commander, in the namespace of its name.
 
     A commander has all topics, services and parameters of an agent. Its parameter ``domain`` is
-    the path of the file that describes its kind (see `hitab_commander.kind_reader`).
+    the path of the file that describes its kind (see `hitab_commander.kinds.kind_reader`).
     """
 
     has_robot = False

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field, replace
 
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.kind import CommanderKind
+from hitab_commander.kinds.kind import CommanderKind
 from hitab_commander.rounds import Lockstep, Round
 from hitab_core import Agent, BehaviorLibrary, FeatureValueError, Term
 from hitab_core.orders import Report, Subordinate

@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hitab_commander.commander_body import CommanderBody
-from hitab_commander.kind_reader import TIME_MAX_S
+from hitab_commander.kinds.kind_reader import TIME_MAX_S
 from hitab_core.orders import Report
 
 

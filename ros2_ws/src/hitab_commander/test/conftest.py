@@ -14,13 +14,13 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 
-from hitab_agent.agent_node import AgentNode
+from hitab_agent.node.agent_node import AgentNode
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
-from hitab_core.operation import Operation
 from hitab_core.operations import BeginTraining, Command, Perform
+from hitab_core.training.operation import Operation
 from hitab_ros import give_signs_of_life, names, qos
-from hitab_ros.conversions import request_of
+from hitab_ros.messages.conversions import request_of
 from hitab_ros.testing import context_of_its_own
 
 SECONDS = 60.0

@@ -7,7 +7,7 @@ from bodies import Body
 
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
-from hitab_commander.kind_reader import described_kind
+from hitab_commander.kinds.kind_reader import described_kind
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.library.behavior_library import BehaviorLibrary

@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from hitab_commander.aggregation import observed, of_positions, summed_up
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.kind import CommanderKind, Observation, OrderMap, Over, Pick
-from hitab_commander.kind_reader import described_kind, kind_text, read_kind
+from hitab_commander.kinds.kind import CommanderKind, Observation, OrderMap, Over, Pick
+from hitab_commander.kinds.kind_reader import described_kind, kind_text, read_kind
 from hitab_core import Automaton, BehaviorLibrary, LibraryError, Scale, Term
-from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.yaml_places import read_yaml
 from hitab_core.orders.order import ALL_OTHERS, Order, Report
+from hitab_core.texts.errors import VocabularyError
 
 NAMES = st.from_regex(r"[A-Z][a-z]{0,6}", fullmatch=True).filter(
     lambda name: name not in ("Done", "Failed", "Start")

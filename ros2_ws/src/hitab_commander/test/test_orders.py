@@ -7,10 +7,10 @@ import pytest
 from hitab_msgs import msg
 
 from hitab_commander.commander_node import CommanderNode
-from hitab_core.errors import HitabError
 from hitab_core.operations import LoadLibrary, SaveBehavior
+from hitab_core.texts.errors import HitabError
 from hitab_ros import give_signs_of_life, names, qos
-from hitab_ros.conversions import pairs_message
+from hitab_ros.messages.conversions import pairs_message
 
 SQUAD = """\
 commander: Squad

@@ -6,7 +6,7 @@ from hitab_msgs import msg, srv
 
 from hitab_core.operations import SaveBehavior
 from hitab_ros import names, qos
-from hitab_ros.diagnostics import Level
+from hitab_ros.nodes.diagnostics import Level
 
 CREW = """\
 commander: Crew

@@ -14,8 +14,8 @@ from typing import Any, Protocol
 
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.errors import HitabError, NoValueError, VocabularyError
 from hitab_core.term import Term
+from hitab_core.texts.errors import HitabError, NoValueError, VocabularyError
 
 DONE, FAILED = FLAGS
 

@@ -1,7 +1,7 @@
 """One agent without its robot or middleware: its library, behavior and training.
 
-A node (`hitab_agent.agent_node`) passes in percepts and a demonstrator's commands and publishes
-the actions. Errors that a user can fix raise `HitabError` and leave the agent unchanged.
+A node (`hitab_agent.node.agent_node`) passes in percepts and a demonstrator's commands and
+publishes the actions. Errors that a user can fix raise `HitabError` and leave the agent unchanged.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from hitab_core.assistant.caution import CautionMonitor, WhenUnsure
 from hitab_core.assistant.people import texts_of
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import Domain
-from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.mode import Mode
-from hitab_core.operation import Operation, Outcome
-from hitab_core.remedies import Fix
 from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
+from hitab_core.running.mode import Mode
 from hitab_core.running.observing import Observe
 from hitab_core.running.run_context import RunContext, Running
-from hitab_core.seeding import agent_seed
+from hitab_core.running.seeding import agent_seed
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, TrainingError
+from hitab_core.texts.remedies import Fix
+from hitab_core.texts.wording import quantity
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.events import NOW, Given
+from hitab_core.training.operation import Operation, Outcome
 from hitab_core.training_session import TrainingSession
-from hitab_core.wording import quantity
 
 
 class Agent(AgentLibrary):

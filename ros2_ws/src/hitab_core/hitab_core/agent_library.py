@@ -14,28 +14,28 @@ from pathlib import Path
 from hitab_core.assistant.lateness import Lateness
 from hitab_core.assistant.people import people_from, texts_of
 from hitab_core.domain import Domain
-from hitab_core.errors import (
-    FolderInUseError,
-    LibraryError,
-    LostBehaviorError,
-    TrainingError,
-    VocabularyError,
-)
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import refused_name
 from hitab_core.library.contents import LostBehaviors
 from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.provenance import Provenance
-from hitab_core.mode import Mode
-from hitab_core.operation import Outcome, Outcomes, Shipment
-from hitab_core.remedies import Fix, Remedy
+from hitab_core.library.saving import SavedBehavior, loaded_with
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.mode import Mode
 from hitab_core.running.run_context import RunContext, Running
 from hitab_core.running.running_automaton import performance
-from hitab_core.saving import SavedBehavior, loaded_with
 from hitab_core.term import Term
+from hitab_core.texts.errors import (
+    FolderInUseError,
+    LibraryError,
+    LostBehaviorError,
+    TrainingError,
+    VocabularyError,
+)
+from hitab_core.texts.remedies import Fix, Remedy
 from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.operation import Outcome, Outcomes, Shipment
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import SAVED, Record, TrainingJournal
 from hitab_core.training_session import TrainingSession

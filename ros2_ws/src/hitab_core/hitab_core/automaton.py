@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 
-from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.term import Term
+from hitab_core.texts.errors import VocabularyError
 from hitab_core.transition_function import NumberFunction, TransitionFunction
 
 START = "Start"

@@ -1,7 +1,8 @@
 """One codec for dataclasses: the journal, behavior files and messages have their fields' names.
 
 Plain data is what JSON and YAML hold: a missing value (NaN) is None, a term or an enumeration its
-text, a tuple a list. A message is read like plain data; `hitab_ros.conversions` writes messages.
+text, a tuple a list. A message is read like plain data; `hitab_ros.messages.conversions` writes
+messages.
 """
 
 from __future__ import annotations

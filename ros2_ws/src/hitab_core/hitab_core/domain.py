@@ -21,12 +21,12 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
-from hitab_core.errors import VocabularyError
 from hitab_core.number import BoundedNumber
 from hitab_core.plain_body import PlainBody
 from hitab_core.source_file import load_file, loaded_file
 from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term, wrong_number
-from hitab_core.vocabulary import check_known, has
+from hitab_core.texts.errors import VocabularyError
+from hitab_core.texts.vocabulary import check_known, has
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -341,8 +341,8 @@ def load_domain(name: str) -> Domain:
     """Return the installed domain called ``name``, or the one at ``"module:ATTRIBUTE"``.
 
     A name that ends in ``.py`` is the path of a file whose functions are the words; see
-    `hitab_core.plain`. Once loaded, it is found by its name, as libraries keep it. It can run any
-    code: take a name that a data file gives to `named_domain`.
+    `hitab_core.notebook.plain`. Once loaded, it is found by its name, as libraries keep it. It can
+    run any code: take a name that a data file gives to `named_domain`.
 
     Raises:
         VocabularyError: if there is none, or it is not a domain.

@@ -10,9 +10,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from hitab_core.errors import VocabularyError
 from hitab_core.term import Term
-from hitab_core.vocabulary import unknown
+from hitab_core.texts.errors import VocabularyError
+from hitab_core.texts.vocabulary import unknown
 
 
 @dataclass(frozen=True, slots=True)

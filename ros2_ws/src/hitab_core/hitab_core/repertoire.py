@@ -7,12 +7,12 @@ from typing import NoReturn
 
 from hitab_core.automaton import FLAGS, RESERVED_NAMES, START, Automaton
 from hitab_core.domain import BasicBehavior, Domain
-from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.number import numbers_of, without_numbers
-from hitab_core.remedies import Fix, Remedy
 from hitab_core.term import Term
-from hitab_core.vocabulary import unknown
+from hitab_core.texts.errors import LostBehaviorError, VocabularyError
+from hitab_core.texts.remedies import Fix, Remedy
+from hitab_core.texts.vocabulary import unknown
 
 
 class Repertoire:

@@ -9,8 +9,8 @@ from pathlib import Path
 from traceback import extract_tb
 from types import ModuleType
 
-from hitab_core.errors import VocabularyError
 from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE
+from hitab_core.texts.errors import VocabularyError
 
 PREFIX = "hitab_file_"
 

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from hitab_core.errors import VocabularyError
-from hitab_core.wording import natural, quantity
+from hitab_core.texts.errors import VocabularyError
+from hitab_core.texts.wording import natural, quantity
 
 VOCABULARY_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
 """Pattern of the names of behaviors, targets and parameters; behaviors also name files."""

@@ -15,19 +15,19 @@ from hitab_core.assistant.questions import Questions
 from hitab_core.assistant.trial_statistics import TrialStatistics
 from hitab_core.automaton import START, Automaton
 from hitab_core.codec import from_dict
-from hitab_core.errors import FeatureValueError, LibraryError, TrainingError
 from hitab_core.example import Example
-from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.run_context import RunContext
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, LibraryError, TrainingError
+from hitab_core.texts.remedies import Fix
+from hitab_core.texts.wording import some
 from hitab_core.training.curriculum import Curriculum, check_curriculum, check_state
 from hitab_core.training.events import NOW, Given
 from hitab_core.training.exchange import exchange
 from hitab_core.training.retiming import retiming
 from hitab_core.training.trainer import Journal, Trainer
 from hitab_core.training.undo import Edit
-from hitab_core.wording import some
 
 ASSISTANTS = ("reaction", "questions", "loops", "episodes")
 """Names of the assistants: they estimate when late commands were due, ask about the examples, find

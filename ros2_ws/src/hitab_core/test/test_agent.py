@@ -17,12 +17,12 @@ from faulty_disk import files_end_at
 from hitab_core.agent import Agent
 from hitab_core.assistant import training_costs
 from hitab_core.domain import Domain, Feature
-from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.mode import Mode
-from hitab_core.remedies import Fix
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
+from hitab_core.texts.remedies import Fix
 from hitab_core.training import Curriculum
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from faulty_disk import files_end_at
 
-from hitab_core.errors import FolderInUseError, LibraryError
+from hitab_core.texts.errors import FolderInUseError, LibraryError
 from hitab_core.training.agent_database import AgentDatabase
 
 RECORDS: list[dict[str, Any]] = [{"do": "begin", "features": ["x"]}, {"do": "command", "at": 0.1}]

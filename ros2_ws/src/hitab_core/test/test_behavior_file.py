@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, text_of
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import read_text
+from hitab_core.texts.errors import LibraryError
 
 Teach = Callable[..., Automaton]
 USES = {"Approach": "0" * 64, "Kick": "basic", "GoTo": "basic"}

@@ -18,14 +18,14 @@ from faulty_disk import FaultyDisk, Killed
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.commit import CHANGE, commit, files_in
 from hitab_core.library.differences import difference
 from hitab_core.library.durable_files import locked
-from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.remedies import Fix
 
 Teach = Callable[..., Automaton]
 

@@ -8,11 +8,11 @@ import pytest
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, bundle_digest, make_bundle, read_bundle
 from hitab_core.library.loaded_library import LibraryReader
 from hitab_core.repertoire import Repertoire
+from hitab_core.texts.errors import LibraryError
 
 Teach = Callable[..., Automaton]
 

@@ -11,14 +11,14 @@ from bodies import Body, pulsed
 from hitab_core.agent import Agent
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain, Feature
-from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle, plan_bundle
-from hitab_core.mode import Mode
 from hitab_core.orders.order import ALL_OTHERS, Order
 from hitab_core.orders.subordinate import Subordinate
-from hitab_core.remedies import Fix
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
+from hitab_core.texts.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
+from hitab_core.texts.remedies import Fix
 from hitab_core.training import Curriculum
 
 Make = Callable[..., Agent]

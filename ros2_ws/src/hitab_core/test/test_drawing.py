@@ -8,7 +8,7 @@ import pytest
 from hitab_core.automaton import Automaton
 from hitab_core.drawing.picture import draw_automata
 from hitab_core.drawing.text import automaton_as_text
-from hitab_core.errors import HitabError
+from hitab_core.texts.errors import HitabError
 
 
 def test_a_text_shows_states_transitions_as_rules_and_trees(

@@ -11,10 +11,10 @@ from bodies import UnseeingBody
 
 from hitab_core.agent import Agent
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
-from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.mode import Mode
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, NoValueError
 from hitab_core.training import Curriculum
 
 

@@ -22,7 +22,7 @@ def test_the_way_to_install_is_that_by_which_it_was_installed(
             raise installation.PackageNotFoundError(name)
         return there[name]
 
-    module = tmp_path / "ros2_ws/src/hitab_core/hitab_core/installation.py"
+    module = tmp_path / "ros2_ws/src/hitab_core/hitab_core/library/installation.py"
     monkeypatch.setattr(installation, "version", version)
     monkeypatch.setattr(installation, "__file__", str(module))
     if scripts:

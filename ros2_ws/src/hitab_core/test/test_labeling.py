@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from hitab_core import FeatureKind, Scale
-from hitab_core.errors import TrainingError
 from hitab_core.labeling import Run, apart, examples_of, forward, label, steps_of
 from hitab_core.labeling.labels import ROUNDS
 from hitab_core.learning import learn_transitions
+from hitab_core.texts.errors import TrainingError
 
 BEHAVIORS = ("Left", "Right")
 SPREAD = 0.6

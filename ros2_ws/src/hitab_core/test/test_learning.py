@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
-from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, TrainingError, VocabularyError
 
 METERS = Scale()
 DEFAULT = ExampleKind.DEFAULT

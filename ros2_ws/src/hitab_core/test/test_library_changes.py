@@ -10,7 +10,6 @@ import pytest
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle_file import (
     bundle_file_text,
@@ -18,6 +17,7 @@ from hitab_core.library.bundle_file import (
     texts_with_parts,
 )
 from hitab_core.library.loaded_library import LibraryReader
+from hitab_core.texts.errors import LibraryError
 
 Teach = Callable[..., Automaton]
 

@@ -6,12 +6,12 @@ import pytest
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
-from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError, VocabularyError
 from hitab_core.training import Curriculum, Trainer
 from hitab_core.training.events import Given
 from hitab_core.transition_function import HandWritten

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Scale
-from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.gain_ratio import gain_and_ratio, two_way_gains
 from hitab_core.learning.transition_learning import learner
@@ -26,6 +25,7 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, NoValueError
 from hitab_core.transition_function import HandWritten
 
 NAN = math.nan

@@ -9,11 +9,11 @@ from faulty_disk import FaultyDisk, Killed, use_statements
 
 from hitab_core.agent import Agent
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
-from hitab_core.errors import HitabError, LibraryError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import digest_in, make_bundle, plan_bundle
-from hitab_core.mode import Mode
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
+from hitab_core.texts.errors import HitabError, LibraryError, VocabularyError
 from hitab_core.training import Curriculum
 from hitab_core.training.training_journal import TrainingJournal
 

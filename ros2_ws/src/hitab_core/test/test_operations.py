@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from hitab_core import Agent, BehaviorLibrary, HitabError, LibraryError, plain_domain
-from hitab_core.operation import OUTCOMES_MAX, Operation
 from hitab_core.operations import (
     BeginTraining,
     Command,
@@ -22,6 +21,7 @@ from hitab_core.operations import (
     Undo,
 )
 from hitab_core.training.agent_database import AgentDatabase
+from hitab_core.training.operation import OUTCOMES_MAX, Operation
 from hitab_core.training.training_journal import TrainingJournal
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_encoding import encoding_of
 from hitab_core.learning.transition_learning import learner
+from hitab_core.texts.errors import FeatureValueError, TrainingError, VocabularyError
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)

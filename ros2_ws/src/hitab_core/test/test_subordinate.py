@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from hitab_core.agent import Agent
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.mode import Mode
 from hitab_core.orders.order import ALL_OTHERS, Order
 from hitab_core.orders.subordinate import Subordinate
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
 from hitab_core.training import Curriculum
 

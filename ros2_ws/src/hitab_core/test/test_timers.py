@@ -12,13 +12,13 @@ from bodies import Body
 from hitab_core.agent import Agent
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
-from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.live_features import live_features
 from hitab_core.term import Term
+from hitab_core.texts.errors import VocabularyError
 from hitab_core.training import Curriculum
 from hitab_core.transition_function import HandWritten
 

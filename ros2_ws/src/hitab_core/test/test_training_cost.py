@@ -10,7 +10,7 @@ import pytest
 from hitab_core.agent import Agent
 from hitab_core.assistant import training_costs, unsaved_cost
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.plain import plain_domain
+from hitab_core.notebook.plain import plain_domain
 from hitab_core.term import Term
 from hitab_core.training import Curriculum
 

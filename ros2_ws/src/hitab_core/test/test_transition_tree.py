@@ -11,11 +11,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import FeatureValueError, VocabularyError
 from hitab_core.learning import tree_text
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import Arc, Categories, Fork, Leaf, Threshold, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors, prune
+from hitab_core.texts.errors import FeatureValueError, VocabularyError
 
 CONTINUOUS = Scale()
 BOOLEAN = Scale(FeatureKind.BOOLEAN)

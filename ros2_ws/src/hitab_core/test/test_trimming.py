@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import VocabularyError
 from hitab_core.learning.trimming import rebind, trim
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
 from hitab_core.term import Term
+from hitab_core.texts.errors import VocabularyError
 
 Teach = Callable[..., Automaton]
 

@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 from hitab_core.agent import Agent
 from hitab_core.assistant import training_costs
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.mode import Mode
+from hitab_core.running.mode import Mode
 from hitab_core.running.observing import Change
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError
 from hitab_core.training import Curriculum
 
 LASTING = ("Left", "Right", "Stay")

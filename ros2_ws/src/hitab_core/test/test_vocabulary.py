@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from hitab_core.errors import VocabularyError
-from hitab_core.vocabulary import check_known, has
+from hitab_core.texts.errors import VocabularyError
+from hitab_core.texts.vocabulary import check_known, has
 
 
 def test_an_unknown_name_is_reported_with_the_known_ones_and_what_was_meant() -> None:

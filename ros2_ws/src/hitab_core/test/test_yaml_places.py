@@ -9,9 +9,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hitab_core.errors import HitabError, LibraryError, VocabularyError
 from hitab_core.library.behavior_text import scalar
 from hitab_core.library.yaml_places import Complaints, open_yaml, read_yaml
+from hitab_core.texts.errors import HitabError, LibraryError, VocabularyError
 
 
 def test_everything_in_a_document_knows_its_line() -> None:

@@ -9,7 +9,7 @@ import typer
 
 from hitab_cli import Library, opened, write_new
 from hitab_client import console
-from hitab_client.cli_options import SwarmName
+from hitab_client.terminal.cli_options import SwarmName
 from hitab_core import LibraryError, Term
 
 

@@ -14,7 +14,7 @@ from hitab_core import BoundedNumber, Term, quantity, with_numbers
 from hitab_gamepad.joystick_mapping import Mapping
 from hitab_gamepad.stick import Stick
 from hitab_ros import qos, steady_timer
-from hitab_ros.stamps import seconds_of
+from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.timing import FOUND_S, UPDATE_S
 
 

@@ -6,7 +6,7 @@ import typer
 
 from hitab_cli import FirstAgent, carry_out, connection, demonstrator_of
 from hitab_client import console
-from hitab_client.cli_options import SwarmName
+from hitab_client.terminal.cli_options import SwarmName
 
 
 def register(app: typer.Typer) -> None:

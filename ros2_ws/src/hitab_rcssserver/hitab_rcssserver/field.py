@@ -16,10 +16,10 @@ from typing import Any
 from hitab_rcssserver.connection import ServerError
 from hitab_rcssserver.messages import LEFT, RIGHT, FullState, Settings
 from hitab_world.parameters import ParameterError
-from keepaway_world.arranging import Place
+from keepaway_world.game.arranging import Place
+from keepaway_world.game.physics import Mover, Physics
+from keepaway_world.game.rules import Rules
 from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.physics import Mover, Physics
-from keepaway_world.rules import Rules
 
 BOX: Mapping[str, str] = {"width": "keepaway_length", "height": "keepaway_width"}
 SETTINGS: Mapping[str, str] = {

@@ -17,10 +17,10 @@ from hitab_rcssserver.link import Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
 from hitab_world import Sensed
 from keepaway_world import referee
-from keepaway_world.arranging import Place
+from keepaway_world.game.arranging import Place
+from keepaway_world.game.rules import Rules
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.percept import perceive
-from keepaway_world.rules import Rules
 
 _AT_REST = 1e-9
 

@@ -9,7 +9,7 @@ from half_field_world.parameters import HalfFieldParameters
 from hitab_rcssserver.rcss_world import RcssWorld, patience_of
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_world import run_world
-from hitab_world.ros_parameters import declare_parameters
+from hitab_world.node.ros_parameters import declare_parameters
 
 
 def make_world(node: Node, seed: int) -> RcssWorld:

@@ -16,7 +16,7 @@ from rclpy.node import Node
 from hitab_rcssserver.rcss_world import RcssWorld, patience_of
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_world import run_world
-from hitab_world.ros_parameters import declare_parameters
+from hitab_world.node.ros_parameters import declare_parameters
 from keepaway_world.parameters import KeepawayParameters
 
 

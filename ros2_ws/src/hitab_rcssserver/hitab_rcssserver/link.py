@@ -32,7 +32,7 @@ from hitab_rcssserver.messages import (
 from hitab_rcssserver.server_settings import FULL_STATE, ServerSettings
 from hitab_rcssserver.sighting import Sighting, Who, together
 from hitab_ros.timing import REPEAT_S, TURN_S
-from keepaway_world.physics import Names
+from keepaway_world.game.physics import Names
 
 GOALIE = "goalie"
 """Name of the player that may catch the ball."""

@@ -17,7 +17,7 @@ from hitab_rcssserver.messages import LEFT, RIGHT, Ok, Refusal
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_rcssserver.sighting import Who
 from hitab_ros.timing import REPEAT_S
-from keepaway_world.arranging import Place
+from keepaway_world.game.arranging import Place
 
 
 class OfflineTrainer:

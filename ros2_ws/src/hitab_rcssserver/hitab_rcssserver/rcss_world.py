@@ -35,11 +35,11 @@ from hitab_world import (
     Sensed,
     WorldError,
 )
-from hitab_world.ros_parameters import GivenParameters
+from hitab_world.node.ros_parameters import GivenParameters
 from keepaway_world.action import orders_of
-from keepaway_world.arranging import Place, entities_of, placed, places_of
+from keepaway_world.game.arranging import Place, entities_of, placed, places_of
+from keepaway_world.game.rules import KEEPAWAY_RULES, Rules
 from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
 NEW_EPISODE = ("(change_mode drop_ball)", "(change_mode play_on)", "(recover)")
 """Commands by which a trainer begins an episode: the first makes the server forget earlier

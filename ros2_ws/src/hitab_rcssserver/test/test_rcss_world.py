@@ -18,8 +18,8 @@ from hitab_rcssserver.rcss_world import RcssWorld
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, Placement, WorldError
 from keepaway_world import percept
+from keepaway_world.game.rules import KEEPAWAY_RULES
 from keepaway_world.parameters import PAPER, variant
-from keepaway_world.rules import KEEPAWAY_RULES
 
 _spec = importlib.util.spec_from_file_location(
     "rcss_stand_in", Path(__file__).parent / "rcss_stand_in.py"

@@ -1,4 +1,5 @@
 from .mount import Mount as Mount
+from .relay.velocity import Drive as Drive
 from .robot import Robot as Robot
 from .robot import RobotBody as RobotBody
 from .robot_link import RobotLink as RobotLink
@@ -24,4 +25,3 @@ from .standard_domain import place as place
 from .standard_domain import reading as reading
 from .standard_domain import stuck as stuck
 from .standard_domain import turn_to as turn_to
-from .velocity import Drive as Drive

@@ -10,8 +10,8 @@ from functools import cached_property
 from itertools import pairwise
 
 from hitab_core import FeatureValueError, VocabularyError, quantity, some, unknown
+from hitab_robots.relay.velocity import NO_VELOCITY, Drive, Velocity, is_velocity
 from hitab_robots.sensors import Sensor
-from hitab_robots.velocity import NO_VELOCITY, Drive, Velocity, is_velocity
 
 MOTION_MEMORY_S = 10.0
 """How far back a body remembers its motion, s."""

@@ -24,8 +24,9 @@ from hitab_robots import wiring
 from hitab_robots.frames import mounts_of_tf
 from hitab_robots.freshness import CLOCK_TOLERANCE_S, Freshness
 from hitab_robots.mount import Mount
-from hitab_robots.relay_process import RelayProcess
-from hitab_robots.relay_watch import RelayWatch
+from hitab_robots.relay.relay_process import RelayProcess
+from hitab_robots.relay.relay_watch import RelayWatch
+from hitab_robots.relay.velocity import REST_S
 from hitab_robots.robot import Robot
 from hitab_robots.sensors import Sensor
 from hitab_robots.settings import (
@@ -35,9 +36,8 @@ from hitab_robots.settings import (
     declare,
     declare_number,
 )
-from hitab_robots.velocity import REST_S
 from hitab_ros import EmergencySwitch, names, steady_timer
-from hitab_ros.stamps import seconds_of
+from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.timing import FOUND_S, HEARTBEAT_S
 
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
@@ -53,9 +53,9 @@ class RobotLink:
     matters ``x``, ``y``, ``yaw`` and ``upside_down``, such as ``scan.yaw``. With ``base_frame``,
     the places come from tf2 instead.
 
-    The velocity goes to the robot's relay (`hitab_robots.velocity_relay`), never to its base: the
-    relay stops the robot when the agent cannot, and decides when the robot may act again
-    (`hitab_robots.relay_watch`). The link starts the relay and passes its parameters on
+    The velocity goes to the robot's relay (`hitab_robots.relay.velocity_relay`), never to its
+    base: the relay stops the robot when the agent cannot, and decides when the robot may act again
+    (`hitab_robots.relay.relay_watch`). The link starts the relay and passes its parameters on
     (`hitab_robots.settings`), unless the parameter ``relay`` is false: then a person starts it.
     """
 

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
 from hitab_core import HitabError
-from hitab_robots.velocity import Drive
+from hitab_robots.relay.velocity import Drive
 
 BASE_TOPIC = "cmd_vel"
 """Topic of velocities to the base; relative to the robot's namespace."""

@@ -18,7 +18,7 @@ from hitab_client.recording import RecordedMessages, Recorder, driving_of
 from hitab_core import Domain
 from hitab_core.labeling import Strip
 from hitab_robots import Robot, Scan, Sector, motion, nearest_range
-from hitab_ros.stamps import as_time
+from hitab_ros.messages.stamps import as_time
 from hitab_ros.testing import context_of_its_own, spin_until
 
 DOMAIN = Domain.of(

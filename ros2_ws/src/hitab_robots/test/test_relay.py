@@ -20,8 +20,8 @@ from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from hitab_core import HitabError, VocabularyError
+from hitab_robots.relay.velocity_relay import STOP_FILE, VelocityRelay
 from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC, HEARTBEAT, ODOMETRY_TOPIC
-from hitab_robots.velocity_relay import STOP_FILE, VelocityRelay
 from hitab_ros import EmergencySwitch, KnownStops, make_node, names, qos
 from hitab_ros.testing import context_of_its_own, spin_until
 
@@ -382,7 +382,6 @@ def test_a_relay_that_ends_stops_the_robot(bench):
 
 def test_a_relay_loads_no_agent():
     # It guards the robot from its first moment on, and each robot runs one.
-    loaded = (
-        "import sys, hitab_robots.velocity_relay; print('hitab_agent.agent_node' in sys.modules)"
-    )
+    loaded = "import sys, hitab_robots.relay.velocity_relay\n"
+    loaded += "print('hitab_agent.node.agent_node' in sys.modules)"
     assert subprocess.check_output([sys.executable, "-c", loaded], text=True) == "False\n"

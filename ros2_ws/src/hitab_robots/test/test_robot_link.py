@@ -15,10 +15,10 @@ from sensor_msgs.msg import LaserScan
 
 from hitab_core import Domain, Repertoire
 from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range, relay_process
+from hitab_robots.relay.velocity_relay import VelocityRelay
 from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC
-from hitab_robots.velocity_relay import VelocityRelay
 from hitab_ros import GuardedNode, make_node
-from hitab_ros.stamps import as_time
+from hitab_ros.messages.stamps import as_time
 from hitab_ros.testing import context_of_its_own, spin_until
 
 ROBOT = Robot((Scan(sectors=(Sector("ahead", width=0.2),)),))

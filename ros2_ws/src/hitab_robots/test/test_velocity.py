@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_robots import Drive
-from hitab_robots.velocity import NO_VELOCITY, REST_S, SILENT_S, STEP_MAX_S, Gate
+from hitab_robots.relay.velocity import NO_VELOCITY, REST_S, SILENT_S, STEP_MAX_S, Gate
 
 DRIVE = Drive((0.5, 0.2, 1.0), (1.0, 1.0, 2.0), (2.0, 2.0, 4.0))
 TIMEOUT = 0.3

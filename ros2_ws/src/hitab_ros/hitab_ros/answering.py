@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core import HitabError, Remedy
-from hitab_core.operation import Outcomes
-from hitab_ros.plain_text import plain
+from hitab_core.training.operation import Outcomes
+from hitab_ros.messages.plain_text import plain
 
 Serve = Callable[[Any, Any], str]
 """Carries out a request, fills in the response and returns its message."""
@@ -36,7 +36,7 @@ def remedies_for(error: Exception | None) -> tuple[Remedy, ...]:
 def refuse(response: Any, error: Exception) -> Any:
     """Write the reason of a refusal into a response, as far as its fields allow."""
     if hasattr(response, "message"):
-        from hitab_ros.conversions import remedy_messages  # slow: it needs numpy
+        from hitab_ros.messages.conversions import remedy_messages  # slow: it needs numpy
 
         response.message = what_went_wrong(error)
         response.remedies = remedy_messages(remedies_for(error))

@@ -19,7 +19,7 @@ from hitab_ros.busy_timeout import BusyTimeout
 from hitab_ros.timing import ANSWER_S, DISCOVERY_S, HEARTBEAT_S, REPEAT_S
 
 if TYPE_CHECKING:
-    from hitab_ros.guarded_node import GuardedNode
+    from hitab_ros.nodes.guarded_node import GuardedNode
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -44,7 +44,9 @@ def refused(answer: Any, where: str = "") -> RequestRefused:
         answer: the service's answer, with its message and remedies.
         where: name of the server, for people.
     """
-    from hitab_ros.conversions import remedies_of  # here because the help imports this module
+    from hitab_ros.messages.conversions import (
+        remedies_of,  # here because the help imports this module
+    )
 
     return RequestRefused(answer.message, *remedies_of(answer.remedies), where=where)
 

@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from hitab_ros import names, qos
-from hitab_ros.steady_timer import steady_timer
+from hitab_ros.nodes.steady_timer import steady_timer
 from hitab_ros.timing import HEARTBEAT_S, POLL_S, SILENT_AFTER_S
 
 DDS_PROFILE = "FASTRTPS_DEFAULT_PROFILES_FILE"

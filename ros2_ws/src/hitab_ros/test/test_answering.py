@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from hitab_core import operation
-from hitab_core.errors import HitabError
+from hitab_core.texts.errors import HitabError
 from hitab_ros.answering import answering
 
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import String
 
-from hitab_ros.checks import BadMessage, check
-from hitab_ros.plain_text import plain
+from hitab_ros.messages.checks import BadMessage, check
+from hitab_ros.messages.plain_text import plain
 
 FAR = time.time_ns() + 365 * 24 * 3600 * 10**9
 

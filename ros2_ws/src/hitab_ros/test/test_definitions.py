@@ -6,7 +6,7 @@ from hitab_msgs.srv import Undo
 
 from hitab_core import HitabError
 from hitab_ros import definitions, qos
-from hitab_ros.spinning import make_node
+from hitab_ros.nodes.spinning import make_node
 from hitab_ros.testing import context_of_its_own, wait_until
 
 STATUS = "hitab_msgs/msg/AgentStatus"

@@ -8,8 +8,8 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.experimental import EventsExecutor
 
 from hitab_ros import EmergencySwitch, KnownStops, names, qos
-from hitab_ros.spinning import make_node
-from hitab_ros.stamps import as_time
+from hitab_ros.messages.stamps import as_time
+from hitab_ros.nodes.spinning import make_node
 from hitab_ros.testing import context_of_its_own, spin_until
 
 

@@ -18,8 +18,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
-from hitab_core.errors import HitabError
-from hitab_ros.guarded_node import GuardedNode
+from hitab_core.texts.errors import HitabError
+from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, spin_until, wait_until
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_ros import KnownStops
-from hitab_ros.known_stops import KEPT_MAX, must_tell
+from hitab_ros.stopping.known_stops import KEPT_MAX, must_tell
 
 RELAYS = 3
 PEOPLE = 2

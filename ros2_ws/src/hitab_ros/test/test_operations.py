@@ -7,9 +7,9 @@ import pytest
 from hitab_msgs import msg, srv
 
 from hitab_core.codec import from_dict
-from hitab_core.operation import Operation, Outcome
 from hitab_core.operations import OPERATIONS
-from hitab_ros.conversions import message_of, request_of
+from hitab_core.training.operation import Operation, Outcome
+from hitab_ros.messages.conversions import message_of, request_of
 
 KINDS = {
     "str": {"string"},

@@ -36,7 +36,7 @@ def test_a_node_says_farewell_before_its_process_stops_receiving(
         def farewell(self) -> None:
             steps.append("farewell")
 
-    monkeypatch.setattr("hitab_ros.spinning.stop_receiving", lambda _: steps.append("deaf"))
+    monkeypatch.setattr("hitab_ros.nodes.spinning.stop_receiving", lambda _: steps.append("deaf"))
 
     def start(spinning: Spinner) -> None:
         spinning.executor.add_node(Node("ending"))

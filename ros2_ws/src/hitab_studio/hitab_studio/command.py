@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.cli_options import SwarmName
+from hitab_client.terminal.cli_options import SwarmName
 
 
 def register(app: typer.Typer) -> None:
@@ -56,10 +56,10 @@ def studio(
       hitab studio --camera front/image/compressed --map /map     of real robots
     """
     from hitab_studio.access import new_token
-    from hitab_studio.launcher import startable_swarms, unknown
     from hitab_studio.robots.topics import Options
     from hitab_studio.server import Address, serve
-    from hitab_studio.swarm_finder import Finder
+    from hitab_studio.swarm.launcher import startable_swarms, unknown
+    from hitab_studio.swarm.swarm_finder import Finder
 
     root = f"/{root_path.strip('/')}" if root_path.strip("/") else ""
     address = Address(host, port, new_token(host, token), tuple(allow_host or ()), root)

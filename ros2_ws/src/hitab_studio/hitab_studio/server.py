@@ -14,10 +14,10 @@ from fastapi.responses import FileResponse
 from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
 from hitab_studio.access import AccessControl, is_loopback
-from hitab_studio.launcher import NONE
+from hitab_studio.pages.ui_remedies import error_text
 from hitab_studio.robots.topics import Options
-from hitab_studio.swarm_finder import Finder
-from hitab_studio.ui_remedies import error_text
+from hitab_studio.swarm.launcher import NONE
+from hitab_studio.swarm.swarm_finder import Finder
 
 STUDIO_TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"
@@ -106,7 +106,7 @@ def serve(
     from nicegui import Client, app, ui
 
     from hitab_studio.actions.stop_actions import stop_robots
-    from hitab_studio.page_view import STATIC, PageView
+    from hitab_studio.pages.page_view import STATIC, PageView
     from hitab_studio.stream import stream
     from hitab_studio.studio import Studio
 

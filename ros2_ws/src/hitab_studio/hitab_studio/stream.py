@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
 
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 from hitab_studio.studio import Studio
 
 UNKNOWN_PAGE = 4404

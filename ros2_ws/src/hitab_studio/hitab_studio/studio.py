@@ -10,14 +10,14 @@ from typing import Any
 
 from hitab_client import SwarmError, user_name
 from hitab_ros.timing import UPDATE_S
-from hitab_studio.launcher import NONE
-from hitab_studio.page import Page, StudioState
-from hitab_studio.person_names import checked
+from hitab_studio.field.scene import said_message
+from hitab_studio.pages.page import Page, StudioState
+from hitab_studio.pages.person_names import checked
 from hitab_studio.robots.topics import Options
-from hitab_studio.scene import said_message
-from hitab_studio.swarm_finder import SwarmTarget
-from hitab_studio.swarm_link import SwarmLink
-from hitab_studio.swarm_state import SwarmState
+from hitab_studio.swarm.launcher import NONE
+from hitab_studio.swarm.swarm_finder import SwarmTarget
+from hitab_studio.swarm.swarm_link import SwarmLink
+from hitab_studio.swarm.swarm_state import SwarmState
 
 KEPT_DIALOGS = frozenset(
     {"help", "label", "name", "release", "rename-recording", "delete-recording"}

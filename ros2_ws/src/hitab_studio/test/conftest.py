@@ -21,7 +21,7 @@ from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_ros import qos
 from hitab_ros.testing import context_of_its_own
-from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm.swarm_finder import SwarmTarget
 
 FEATURES = 400
 

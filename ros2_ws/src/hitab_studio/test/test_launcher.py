@@ -7,12 +7,14 @@ import time
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_studio.launcher import Launcher, command, startable_swarms
+from hitab_studio.swarm.launcher import Launcher, command, startable_swarms
 
 
 def run(script: str, monkeypatch, after=lambda launcher: None) -> Launcher:
     """Run a script in place of the command until it ends."""
-    monkeypatch.setattr("hitab_studio.launcher.command", lambda: [sys.executable, "-c", script])
+    monkeypatch.setattr(
+        "hitab_studio.swarm.launcher.command", lambda: [sys.executable, "-c", script]
+    )
 
     async def term() -> Launcher:
         launcher = Launcher()
@@ -44,7 +46,7 @@ def test_one_command_runs_at_a_time(monkeypatch):
 
 
 def test_a_command_that_is_not_there_is_named(monkeypatch):
-    monkeypatch.setattr("hitab_studio.launcher.entry_points", lambda **_: ())
+    monkeypatch.setattr("hitab_studio.swarm.launcher.entry_points", lambda **_: ())
     with pytest.raises(SwarmError, match="install HiTAB again"):
         command()
 

@@ -7,8 +7,8 @@ import numpy as np
 from visualization_msgs.msg import Marker
 
 from hitab_ros.timing import DISCOVERY_S, UPDATE_S
-from hitab_studio.markers import FRAME, Markers
-from hitab_studio.scene import Appearance, Scene
+from hitab_studio.field.markers import FRAME, Markers
+from hitab_studio.field.scene import Appearance, Scene
 
 DOING = {"keeper_1": ("performing", "GoFast")}
 COLORS = {"GoFast": 0}

@@ -1,6 +1,6 @@
 """A page shows each message once, with the number of repetitions, until closed."""
 
-from hitab_studio.notices import NOTICE_SECONDS, NOTICES_MAX, Notices
+from hitab_studio.pages.notices import NOTICE_SECONDS, NOTICES_MAX, Notices
 
 
 class Clock:

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from hitab_core.operation import Operation
 from hitab_core.operations import (
     OPERATIONS,
     AnswerQuestion,
@@ -18,11 +17,12 @@ from hitab_core.operations import (
     SetCaution,
     Undo,
 )
+from hitab_core.training.operation import Operation
 from hitab_studio.actions import REGISTERED_ACTIONS
 from hitab_studio.actions.operation_actions import meant
-from hitab_studio.page_view import perform
+from hitab_studio.pages.page_view import perform
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm.swarm_finder import SwarmTarget
 
 
 def asked(data: dict[str, Any], *marked: int) -> tuple[list[Operation], Any]:

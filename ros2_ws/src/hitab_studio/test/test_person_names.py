@@ -4,9 +4,9 @@ import asyncio
 import json
 from pathlib import Path
 
-from hitab_client.run_folder import state_home
-from hitab_client.users import user_name
-from hitab_studio.page_view import perform
+from hitab_client.runs.run_folder import state_home
+from hitab_client.runs.users import user_name
+from hitab_studio.pages.page_view import perform
 from hitab_studio.studio import Studio
 
 

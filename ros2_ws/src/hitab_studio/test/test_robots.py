@@ -19,6 +19,7 @@ from PIL import Image
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import CompressedImage, LaserScan
 
+from hitab_studio.field.scene import Palette, roster
 from hitab_studio.robots import watch
 from hitab_studio.robots.tf_frames import Frames
 from hitab_studio.robots.topics import (
@@ -31,7 +32,6 @@ from hitab_studio.robots.topics import (
     map_topic,
 )
 from hitab_studio.robots.watch import Robots, RobotWatch
-from hitab_studio.scene import Palette, roster
 
 Kinds = dict[str, str]
 

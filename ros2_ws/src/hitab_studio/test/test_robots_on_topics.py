@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_studio.page import Page
-from hitab_studio.page_view import perform
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.page_view import perform
 from hitab_studio.studio import Studio
 from hitab_studio.views import render
 

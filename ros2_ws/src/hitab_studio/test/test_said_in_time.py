@@ -10,18 +10,18 @@ from hitab_msgs.msg import AgentStatus, TrainingStatus
 from hitab_client import Learned, SwarmError
 from hitab_core import Example, Term
 from hitab_core.example import ExampleKind
-from hitab_core.operation import Operation
 from hitab_core.operations import BeginTraining
+from hitab_core.training.operation import Operation
 from hitab_ros.call import RequestRefused, blocking
 from hitab_studio.actions import teaching_actions
-from hitab_studio.agent_watch import AgentState
-from hitab_studio.page import Page
-from hitab_studio.page_parts import LostCommand
-from hitab_studio.page_view import RequestQueue, perform
-from hitab_studio.received_vocabulary import Vocabulary
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.page_parts import LostCommand
+from hitab_studio.pages.page_view import RequestQueue, perform
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import SwarmTarget
-from hitab_studio.swarm_state import SwarmState
+from hitab_studio.swarm.agent_watch import AgentState
+from hitab_studio.swarm.received_vocabulary import Vocabulary
+from hitab_studio.swarm.swarm_finder import SwarmTarget
+from hitab_studio.swarm.swarm_state import SwarmState
 from hitab_studio.views import render
 
 ONE = "keeper_1"

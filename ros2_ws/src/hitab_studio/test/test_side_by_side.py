@@ -13,7 +13,7 @@ import pytest
 from hitab_client.errors import SwarmError
 from hitab_client.recording import bag_file
 from hitab_studio.actions import REGISTERED_ACTIONS
-from hitab_studio.page_view import RequestQueue
+from hitab_studio.pages.page_view import RequestQueue
 from hitab_studio.studio import Studio
 
 SECONDS = 60.0

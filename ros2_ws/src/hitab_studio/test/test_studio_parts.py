@@ -17,16 +17,16 @@ from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.term import Term
 from hitab_studio.access import AccessControl, is_loopback, new_token
-from hitab_studio.agent_watch import AgentState
-from hitab_studio.example_effects import effect, is_contradicted
-from hitab_studio.page_view import perform
-from hitab_studio.received_vocabulary import Vocabulary
-from hitab_studio.remembered_scenes import RECENT, RememberedScenes
-from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of, state_shown
+from hitab_studio.field.remembered_scenes import RECENT, RememberedScenes
+from hitab_studio.field.scene import NO_COLOR, Palette, frame, scene_of, state_shown
+from hitab_studio.pages.example_effects import effect, is_contradicted
+from hitab_studio.pages.page_view import perform
+from hitab_studio.pages.tree_rows import tree_rows
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import SwarmTarget
-from hitab_studio.swarm_state import SwarmState
-from hitab_studio.tree_rows import tree_rows
+from hitab_studio.swarm.agent_watch import AgentState
+from hitab_studio.swarm.received_vocabulary import Vocabulary
+from hitab_studio.swarm.swarm_finder import SwarmTarget
+from hitab_studio.swarm.swarm_state import SwarmState
 from hitab_studio.views import render
 
 DISTANCE = "DistanceTo(ball)"

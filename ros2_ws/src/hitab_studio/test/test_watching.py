@@ -8,7 +8,7 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, TrainingStatus
 from hitab_msgs.srv import GetVocabulary
 
-from hitab_studio.agent_watch import AgentWatch
+from hitab_studio.swarm.agent_watch import AgentWatch
 
 
 class Agents:

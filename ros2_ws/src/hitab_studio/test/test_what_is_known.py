@@ -12,11 +12,11 @@ from hitab_client import SwarmError
 from hitab_ros import KnownStops
 from hitab_ros.timing import ANSWER_S
 from hitab_studio.actions import REGISTERED_ACTIONS
-from hitab_studio.page import Page
-from hitab_studio.page_view import perform
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.page_view import perform
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import SwarmTarget
-from hitab_studio.swarm_state import SwarmState
+from hitab_studio.swarm.swarm_finder import SwarmTarget
+from hitab_studio.swarm.swarm_state import SwarmState
 from hitab_studio.views import render
 from hitab_studio.views.side import TABS
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from hitab_world.simulation import Simulation, Values
+from hitab_world.simulating.simulation import Simulation, Values
 from hitab_world.world import Measure
 
 

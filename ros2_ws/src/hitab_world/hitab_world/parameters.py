@@ -11,7 +11,8 @@ For example::
         leaves: int = 3
         rain: bool = False
 
-Independent of ROS; `hitab_world.ros_parameters` declares such a class as parameters of a node.
+Independent of ROS; `hitab_world.node.ros_parameters` declares such a class as parameters of a
+node.
 """
 
 from __future__ import annotations

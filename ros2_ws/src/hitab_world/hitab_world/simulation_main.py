@@ -1,4 +1,4 @@
-"""Runs a world in one file as its own process; see `hitab_world.simulation`.
+"""Runs a world in one file as its own process; see `hitab_world.simulating.simulation`.
 
 For example::
 
@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from rclpy.node import Node
 
-from hitab_world.ros_parameters import declare_parameters
-from hitab_world.simulation import SimulationParameters, SimulationWorld
-from hitab_world.world_node import run_world
+from hitab_world.node.ros_parameters import declare_parameters
+from hitab_world.node.world_node import run_world
+from hitab_world.simulating.simulation import SimulationParameters, SimulationWorld
 
 
 def make_world(node: Node, seed: int) -> SimulationWorld:

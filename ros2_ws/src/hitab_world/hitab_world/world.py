@@ -231,7 +231,7 @@ class World(Protocol):
 
         Raises:
             WorldError: if the snapshot is damaged or of another world; nothing has changed then.
-                See `hitab_world.snapshots`.
+                See `hitab_world.simulating.snapshots`.
         """
 
     def result(self) -> EpisodeResult:

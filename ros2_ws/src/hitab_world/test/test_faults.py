@@ -13,11 +13,11 @@ from hitab_msgs import msg, srv
 from rclpy.task import Future
 
 from hitab_ros import EmergencySwitch, names, qos
-from hitab_ros.diagnostics import Level
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.nodes.diagnostics import Level
+from hitab_ros.nodes.guarded_node import GuardedNode
+from hitab_ros.nodes.spinning import Spinner, spinner
 from hitab_ros.ros_domains import reserved_domain
-from hitab_ros.spinning import Spinner, spinner
-from hitab_world.world_node import WorldNode
+from hitab_world.node.world_node import WorldNode
 
 AGENTS = ("a", "b")
 SECONDS = 60.0

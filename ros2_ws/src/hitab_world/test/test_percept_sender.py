@@ -11,9 +11,9 @@ from hitab_msgs import msg
 from rclpy.experimental import EventsExecutor
 
 from hitab_ros import qos
-from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, spin_until, wait_until
-from hitab_world.percept_sender import PerceptSender
+from hitab_world.node.percept_sender import PerceptSender
 
 HOSTS = ("ours", "theirs", "nobodys")
 GRAPH_QUERIES = (

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from hitab_core.errors import HitabError
-from hitab_ros.spinning import make_node, spinner
+from hitab_core.texts.errors import HitabError
+from hitab_ros.nodes.spinning import make_node, spinner
+from hitab_world.node.ros_parameters import declare_parameters
 from hitab_world.parameters import Parameters
-from hitab_world.ros_parameters import declare_parameters
 
 
 @dataclass(frozen=True)

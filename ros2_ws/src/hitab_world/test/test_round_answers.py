@@ -2,7 +2,7 @@
 
 import pytest
 
-from hitab_world.lockstep import RoundAnswers
+from hitab_world.simulating.lockstep import RoundAnswers
 
 ANSWER = ([1.0], "")
 

@@ -7,7 +7,7 @@ import pytest
 
 from hitab_core import FeatureKind, HitabError, LearningAgent, load_domain
 from hitab_world import SimulationWorld, WorldError
-from hitab_world.simulation import SimulationParameters
+from hitab_world.simulating.simulation import SimulationParameters
 from hitab_world.testing import Wandering, check_world
 from hitab_world.world import Placement
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import pytest
 
 from hitab_world.parameters import Parameters
-from hitab_world.snapshots import header, reading
+from hitab_world.simulating.snapshots import header, reading
 from hitab_world.world import EpisodeResult, WorldError
 
 

@@ -5,7 +5,7 @@ from random import Random, random
 
 import pytest
 
-from hitab_world.snapshots import finite, text, whole
+from hitab_world.simulating.snapshots import finite, text, whole
 from hitab_world.testing import Wandering, check_world
 from hitab_world.world import Entity, EpisodeResult, Look, WorldError
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from hitab_msgs.msg import WorldStatus
 
-from hitab_core.errors import HitabError
-from hitab_world.control import Control
-from hitab_world.lockstep import RoundAnswers
-from hitab_world.run_state import RunState
-from hitab_world.settings import WorldSettings
-from hitab_world.world_memory import LATEST_FILE, WorldMemory
+from hitab_core.texts.errors import HitabError
+from hitab_world.node.settings import WorldSettings
+from hitab_world.simulating.control import Control
+from hitab_world.simulating.lockstep import RoundAnswers
+from hitab_world.simulating.run_state import RunState
+from hitab_world.simulating.world_memory import LATEST_FILE, WorldMemory
 
 RUN, NEXT_RUN = "pond-1", "pond-2"
 

@@ -10,11 +10,11 @@ import math
 
 from hitab_core import BasicBehavior
 from keepaway_world import percept
-from keepaway_world.angles import wrapped
 from keepaway_world.body import NO_PLAYER, YELL, KeeperBody
 from keepaway_world.features import direction_to
-from keepaway_world.interception import FULL, power_to_rest
-from keepaway_world.kicking import kick_acceleration, kick_power, off_place, pass_speed
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.interception import FULL, power_to_rest
+from keepaway_world.game.kicking import kick_acceleration, kick_power, off_place, pass_speed
 from keepaway_world.percept import BALL
 
 FAST, MEDIUM, SLOW = 100.0, 90.0, 75.0

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from hitab_core import FeatureValueError, quantity
 from keepaway_world import percept
 from keepaway_world.action import DASH, KICK, TURN
-from keepaway_world.angles import PI, wrapped
+from keepaway_world.game.angles import PI, wrapped
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import BALL, CYCLES_PER_SECOND, OTHER_PLAYERS
 

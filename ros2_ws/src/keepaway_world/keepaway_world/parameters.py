@@ -41,8 +41,8 @@ class KeepawayParameters(Parameters):
         taker_speed: factor on the power of the takers' dashes (the paper: a quarter); the takers
             know it.
         taker_policy: "intercept": takers see everything exactly and go where they can first reach
-            the ball. Other packages offer more policies, see `keepaway_world.players`; the memory
-            of their takers is not part of a snapshot.
+            the ball. Other packages offer more policies, see `keepaway_world.game.players`; the
+            memory of their takers is not part of a snapshot.
         ball_collides: whether players collide with the ball (the paper: they cannot).
         players_collide: whether players collide with each other.
         sight: "quantised" as a player of rcssserver sees, or "full": exact.

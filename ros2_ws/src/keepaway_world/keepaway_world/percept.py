@@ -14,7 +14,7 @@ index                 value
 14 + 2(n - 1) on      the m takers: distance and direction
 ====================  =====================================================================
 
-Everything seen of others is quantised (see `keepaway_world.sight`) unless sight is "full".
+Everything seen of others is quantised (see `keepaway_world.game.sight`) unless sight is "full".
 x points right, y up, angles are counter-clockwise.
 """
 
@@ -23,11 +23,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from keepaway_world.angles import PI
-from keepaway_world.sight import quantised_direction, quantised_distance, seen_velocity
+from keepaway_world.game.angles import PI
+from keepaway_world.game.sight import quantised_direction, quantised_distance, seen_velocity
 
 if TYPE_CHECKING:  # an agent needs the layout, not pymunk
-    from keepaway_world.physics import Mover, Physics
+    from keepaway_world.game.physics import Mover, Physics
 
 NUMBER, KEEPERS, TAKERS, WIDTH, HEIGHT = range(5)
 X, Y, HEADING, VX, VY = range(5, 10)

@@ -18,15 +18,15 @@ from hitab_world import (
     WorldError,
     snapshots,
 )
-from hitab_world.snapshots import finite, text, texts
+from hitab_world.simulating.snapshots import finite, text, texts
 from keepaway_world.action import Order, orders_of
-from keepaway_world.arranging import entities_of, placed, places_of
+from keepaway_world.game.arranging import entities_of, placed, places_of
+from keepaway_world.game.physics import Mover, Physics
+from keepaway_world.game.players import takers_of
+from keepaway_world.game.referee import drop_ball
+from keepaway_world.game.rules import KEEPAWAY_RULES, Rules
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import perceive
-from keepaway_world.physics import Mover, Physics
-from keepaway_world.players import takers_of
-from keepaway_world.referee import drop_ball
-from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
 SNAPSHOT_VERSION = 2
 

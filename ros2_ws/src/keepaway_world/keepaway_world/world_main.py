@@ -13,7 +13,7 @@ from __future__ import annotations
 from rclpy.node import Node
 
 from hitab_world import run_world
-from hitab_world.ros_parameters import declare_parameters
+from hitab_world.node.ros_parameters import declare_parameters
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.world import KeepawayWorld
 

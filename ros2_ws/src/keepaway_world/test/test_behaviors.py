@@ -13,7 +13,7 @@ from hitab_world.world import Placement
 from keepaway_world import behaviors, features
 from keepaway_world.body import KeeperBody
 from keepaway_world.domain import DOMAIN
-from keepaway_world.kicking import pass_speed
+from keepaway_world.game.kicking import pass_speed
 from keepaway_world.parameters import PAPER, variant
 from keepaway_world.world import KeepawayWorld
 

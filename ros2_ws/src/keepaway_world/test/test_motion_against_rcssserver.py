@@ -10,8 +10,8 @@ from random import Random
 import numpy as np
 import pytest
 
+from keepaway_world.game.physics import Physics
 from keepaway_world.parameters import variant
-from keepaway_world.physics import Physics
 
 DATA = Path(__file__).parent / "data"
 FIGURES = ("ball_x", "ball_y", "ball_vx", "ball_vy", "x", "y", "vx", "vy", "body")

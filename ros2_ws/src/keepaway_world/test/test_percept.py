@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hitab_core.errors import HitabError
+from hitab_core.texts.errors import HitabError
 from keepaway_world.body import NO_PLAYER, KeeperBody
+from keepaway_world.game.sight import quantised_direction, quantised_distance, seen_velocity
 from keepaway_world.parameters import variant
 from keepaway_world.percept import percept_length
-from keepaway_world.sight import quantised_direction, quantised_distance, seen_velocity
 from keepaway_world.world import KeepawayWorld
 
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from keepaway_world.angles import wrapped
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.physics import Physics
 from keepaway_world.parameters import variant
-from keepaway_world.physics import Physics
 
 QUIET = {"movement_noise": 0.0, "kick_noise": 0.0, "turn_noise": 0.0}
 

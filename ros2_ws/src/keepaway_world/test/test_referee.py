@@ -5,9 +5,9 @@ from random import Random
 
 import pytest
 
+from keepaway_world.game.physics import Physics
+from keepaway_world.game.referee import OUT, TAKEN, Referee, drop_ball, set_up
 from keepaway_world.parameters import variant
-from keepaway_world.physics import Physics
-from keepaway_world.referee import OUT, TAKEN, Referee, drop_ball, set_up
 
 PARAMETERS = variant("standard")
 

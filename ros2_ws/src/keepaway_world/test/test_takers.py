@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from hitab_world.parameters import ParameterError
+from keepaway_world.game.physics import Physics
+from keepaway_world.game.takers import TakerTeam
 from keepaway_world.parameters import variant
-from keepaway_world.physics import Physics
-from keepaway_world.takers import TakerTeam
 from keepaway_world.world import KeepawayWorld
 
 RECORDED = Path(__file__).parent / "data" / "taker_decisions.csv.gz"

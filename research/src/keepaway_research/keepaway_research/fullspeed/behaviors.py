@@ -12,9 +12,9 @@ from keepaway_research.fullspeed.body import FullSpeedBody
 from keepaway_research.fullspeed.supporting import best_place
 from keepaway_research.predictive.behaviors import kick
 from keepaway_research.predictive.forecast import Point
-from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import turn_to_ball
 from keepaway_world.body import YELL
+from keepaway_world.game.angles import wrapped
 from keepaway_world.percept import BALL, HEIGHT, WIDTH
 
 IN_TIME = 2  # cycles that a keeper wants to be before the ball

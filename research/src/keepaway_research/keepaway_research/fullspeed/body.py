@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from keepaway_research.fullspeed.passing import EDGE, NO_LANE, Lane, Moving, Tables
 from keepaway_research.predictive.body import PredictiveBody
 from keepaway_research.predictive.forecast import HORIZON, Point
-from keepaway_world.angles import wrapped
-from keepaway_world.kicking import kick_acceleration, kick_power, off_place
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.kicking import kick_acceleration, kick_power, off_place
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import BALL, HEIGHT, WIDTH
 

@@ -13,10 +13,10 @@ from keepaway_research.predictive.body import PredictiveBody
 from keepaway_research.predictive.forecast import Point
 from keepaway_research.predictive.lanes import clearance
 from keepaway_world import percept
-from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import go_by, pass_to, turn_to_ball
 from keepaway_world.body import NO_PLAYER
-from keepaway_world.kicking import kick_power
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.kicking import kick_power
 from keepaway_world.percept import BALL
 
 THERE = 0.5  # m: a place closer than this is not worth going to

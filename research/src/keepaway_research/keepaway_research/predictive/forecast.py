@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from keepaway_world.angles import PI, wrapped
 from keepaway_world.behaviors import TURN_WHEN_OFF
+from keepaway_world.game.angles import PI, wrapped
 from keepaway_world.parameters import KeepawayParameters
 
 HORIZON = 40  # cycles to look ahead

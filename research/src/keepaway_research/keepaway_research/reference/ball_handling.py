@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from keepaway_research.reference.prediction import FULL, Motion, Predictor
 from keepaway_research.reference.view import Seen
 from keepaway_world.action import Order
-from keepaway_world.angles import PI, wrapped
-from keepaway_world.kicking import pass_speed
+from keepaway_world.game.angles import PI, wrapped
+from keepaway_world.game.kicking import pass_speed
 
 SAFE_STOP = 0.8  # of the kicking range: a ball may stop within this
 SAFE_TURN = 0.85  # likewise, for a player that turns while holding

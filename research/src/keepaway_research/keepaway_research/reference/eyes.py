@@ -7,11 +7,11 @@ import math
 
 from keepaway_research.reference.view import Seen, View
 from keepaway_world.action import Order
-from keepaway_world.angles import wrapped
-from keepaway_world.kicking import off_place
+from keepaway_world.game.angles import wrapped
+from keepaway_world.game.kicking import off_place
+from keepaway_world.game.physics import REBOUND, Mover, Physics
+from keepaway_world.game.sight import quantised_direction, quantised_distance, seen_velocity
 from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.physics import REBOUND, Mover, Physics
-from keepaway_world.sight import quantised_direction, quantised_distance, seen_velocity
 
 SIGHT_CYCLES, BLIND = 3, 2  # in one of three cycles a player sees nothing new
 CHASING = 0.3  # m/cycle: assumed speed of the opponent nearest to the ball, towards it
@@ -194,7 +194,7 @@ def _exactly(other: Mover) -> Seen:
 
 
 def _quantised(me: Mover, other: Mover) -> Seen:
-    """Return an object as a player of rcssserver sees it; see `keepaway_world.sight`."""
+    """Return an object as a player of rcssserver sees it; see `keepaway_world.game.sight`."""
     if other is me:
         return _exactly(me)
     dx, dy = other.x - me.x, other.y - me.y

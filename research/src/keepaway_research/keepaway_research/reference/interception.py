@@ -10,7 +10,7 @@ from keepaway_research.reference.prediction import Motion, Predictor
 from keepaway_research.reference.reaching import HORIZON, NEVER
 from keepaway_research.reference.view import Seen
 from keepaway_world.action import Order
-from keepaway_world.angles import PI, wrapped
+from keepaway_world.game.angles import PI, wrapped
 
 MORE = 20  # cycles after the first possible one to search for a better place
 SAFER = 3  # cycles by which a safer place may be later

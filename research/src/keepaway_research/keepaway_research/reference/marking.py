@@ -10,7 +10,7 @@ from keepaway_research.reference.positioning import go_to, in_lane
 from keepaway_research.reference.prediction import Motion, Predictor
 from keepaway_research.reference.view import Seen
 from keepaway_world.action import Order
-from keepaway_world.angles import wrapped
+from keepaway_world.game.angles import wrapped
 
 AT_THE_BALL = 2
 """So many takers, those closest to the ball, go for it; any others mark."""

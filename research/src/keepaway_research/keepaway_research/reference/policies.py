@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from random import Random
 
 from keepaway_research.reference.view import Seen, View
-from keepaway_world.angles import wrapped
+from keepaway_world.game.angles import wrapped
 
 HOLD = 0
 SAFE = 5.0  # m: safe if no taker is nearer

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from keepaway_research.reference.prediction import Motion, Predictor, bearing
 from keepaway_research.reference.view import Seen
 from keepaway_world.action import Order
-from keepaway_world.angles import PI, wrapped
+from keepaway_world.game.angles import PI, wrapped
 
 GRID = 5  # by 5 points
 INSET = 0.15  # of the box, on each side

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from keepaway_research.reference.view import Seen
 from keepaway_world.action import Order
-from keepaway_world.angles import PI, wrapped
+from keepaway_world.game.angles import PI, wrapped
 from keepaway_world.parameters import KeepawayParameters
 
 FULL = 100.0

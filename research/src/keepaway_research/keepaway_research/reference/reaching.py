@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from keepaway_research.reference.prediction import FULL, Motion, Predictor
 from keepaway_research.reference.view import Seen, View
-from keepaway_world.angles import wrapped
+from keepaway_world.game.angles import wrapped
 
 HORIZON = 30  # cycles to look ahead
 NEVER = 100

@@ -12,8 +12,8 @@ from keepaway_research.reference.prediction import Motion, Predictor, as_sent
 from keepaway_research.reference.reaching import Reach
 from keepaway_research.reference.view import Seen, View
 from keepaway_world.action import Order
+from keepaway_world.game.physics import Physics
 from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.physics import Physics
 
 FORWARD = -1.0  # they play towards -x
 HOLD_RATIO = 0.3  # of the kickable margin: distance of a held ball from the body
@@ -57,7 +57,7 @@ class ReferenceTaker:
 
 
 class ReferenceTakers:
-    """Decides for all takers of a world; see `keepaway_world.players`.
+    """Decides for all takers of a world; see `keepaway_world.game.players`.
 
     They see as the game's `sight` says, and do not know that their dashes are slowed down.
     """

@@ -10,7 +10,7 @@ from rclpy.action import ActionClient
 
 from hitab_agent.actions.fields import FieldError, action_type, is_number, put, slot_of
 from hitab_agent.actions.goal import Goal, Limits, Server
-from hitab_agent.restart_memory import RestartMemory
+from hitab_agent.node.restart_memory import RestartMemory
 from hitab_agent.scheduler import Scheduler
 from hitab_core import (
     ActionBehavior,

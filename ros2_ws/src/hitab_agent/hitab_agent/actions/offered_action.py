@@ -13,8 +13,8 @@ from rclpy.task import Future
 from hitab_core import FLAGS, Agent, Fix, Mode, Term, TrainingError
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import remedies_for, what_went_wrong
-from hitab_ros.checks import check
-from hitab_ros.conversions import term_of
+from hitab_ros.messages.checks import check
+from hitab_ros.messages.conversions import term_of
 
 DONE, FAILED = FLAGS
 

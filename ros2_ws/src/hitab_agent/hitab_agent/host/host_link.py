@@ -11,13 +11,13 @@ from typing import Any, TypeVar
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from hitab_agent.agent_base import AgentBase
-from hitab_agent.guarded_tick import NO_ACTION
-from hitab_agent.order_subscriptions import OrderSubscriptions
-from hitab_agent.report_outbox import ReportOutbox
-from hitab_agent.round_gate import RoundGate
+from hitab_agent.links.order_subscriptions import OrderSubscriptions
+from hitab_agent.links.report_outbox import ReportOutbox
+from hitab_agent.links.round_gate import RoundGate
+from hitab_agent.node.agent_base import AgentBase
+from hitab_agent.node.guarded_tick import NO_ACTION
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.checks import too_far_ahead
+from hitab_ros.messages.checks import too_far_ahead
 
 LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was delayed answers only the latest percepts."""

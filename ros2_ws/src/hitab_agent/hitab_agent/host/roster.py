@@ -12,7 +12,7 @@ from typing import Any
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
-from hitab_agent.agent_node import AgentNode
+from hitab_agent.node.agent_node import AgentNode
 from hitab_core import HitabError
 
 

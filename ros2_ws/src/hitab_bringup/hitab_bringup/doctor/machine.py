@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
-from hitab_client.run_folder import state_home
+from hitab_client.runs.run_folder import state_home
 from hitab_core import installed_as, installed_version, way_to_install
 
 PYTHONS = ((3, 11), (3, 13))

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
 from hitab_client import domain_ids
-from hitab_client.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
-from hitab_client.ros_environment import SERVER, is_from_wheels
+from hitab_client.connecting.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
+from hitab_client.connecting.ros_environment import SERVER, is_from_wheels
 from hitab_core import way_to_install
 
 DISTRO = "jazzy"

@@ -7,10 +7,15 @@ from pathlib import Path
 
 from hitab_bringup.doctor.finding import WARNING, Finding, judged
 from hitab_client import RunRecord, SwarmError
-from hitab_client.cli_remedies import as_command
-from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms, running_swarms
-from hitab_client.run_processes import is_suspended, process_states
-from hitab_client.swarm_choice import way_to_stop
+from hitab_client.runs.run_folder import (
+    RunFolder,
+    marked_processes,
+    registered_swarms,
+    running_swarms,
+)
+from hitab_client.runs.run_processes import is_suspended, process_states
+from hitab_client.runs.swarm_choice import way_to_stop
+from hitab_client.terminal.cli_remedies import as_command
 from hitab_core import Fix, each_once, quantity, some
 from hitab_ros.timing import DISCOVERY_S, FOUND_S
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from hitab_bringup.libraries.opened_library import domain_in
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_client import DescriptionError, SwarmError, console
-from hitab_client.domain_ids import chosen_by_user
-from hitab_client.run_folder import WORLD_FILES, libraries_of, running_swarms, state_home
-from hitab_client.shipped import shipped_folders
-from hitab_client.swarm_choice import find_meant, name_to_choose
+from hitab_client.connecting.domain_ids import chosen_by_user
+from hitab_client.runs.run_folder import WORLD_FILES, libraries_of, running_swarms, state_home
+from hitab_client.runs.shipped import shipped_folders
+from hitab_client.runs.swarm_choice import find_meant, name_to_choose
 from hitab_core import HitabError, LibraryError, has, load_domain
 from hitab_core.library import BEHAVIOR_SUFFIX
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from hitab_bringup.libraries.unsaved_trainings import bring_back, set_aside
 from hitab_bringup.processes.swarm_processes import kind_file, library_of, write_rosters
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
-from hitab_client.run_folder import LIBRARIES, WORLD_FILES, libraries_of
+from hitab_client.runs.run_folder import LIBRARIES, WORLD_FILES, libraries_of
 from hitab_commander import KIND_FILE, kind_text
 from hitab_core import each_once
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client.cli_remedies import with_commands
+from hitab_client.terminal.cli_remedies import with_commands
 from hitab_core import Fix, natural, quantity
 from hitab_core.assistant import unsaved_cost
 from hitab_core.training import TrainingJournal

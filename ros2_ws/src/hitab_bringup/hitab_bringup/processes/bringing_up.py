@@ -31,9 +31,9 @@ from hitab_client import (
     WorldClient,
     domain_ids,
 )
-from hitab_client.cli_remedies import called, with_commands
-from hitab_client.run_folder import registry_held, running_swarms
-from hitab_client.swarm_choice import way_to_stop
+from hitab_client.runs.run_folder import registry_held, running_swarms
+from hitab_client.runs.swarm_choice import way_to_stop
+from hitab_client.terminal.cli_remedies import called, with_commands
 from hitab_core import Fix, each_once, some
 from hitab_ros.timing import ANSWER_S, DISCOVERY_EACH_S, POLL_S, PROMPT_S, SETTLE_S, START_S
 

@@ -27,12 +27,12 @@ from hitab_bringup.processes.supervisor_config import (
 from hitab_bringup.processes.swarm_processes import processes
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_client import RunFolder, RunRecord, SwarmError
-from hitab_client.dds_profile import RANGE, choose_profile, profile_for
-from hitab_client.identity import new_identity
-from hitab_client.run_folder import MARK
-from hitab_client.run_processes import ENDED_STATES, answers, process_states
-from hitab_client.swarm_choice import way_to_stop
-from hitab_ros.exit_codes import DO_NOT_RESTART
+from hitab_client.connecting.dds_profile import RANGE, choose_profile, profile_for
+from hitab_client.connecting.identity import new_identity
+from hitab_client.runs.run_folder import MARK
+from hitab_client.runs.run_processes import ENDED_STATES, answers, process_states
+from hitab_client.runs.swarm_choice import way_to_stop
+from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from hitab_ros.timing import ANSWER_S
 
 

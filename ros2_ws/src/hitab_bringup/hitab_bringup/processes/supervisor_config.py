@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hitab_bringup.swarm_files.swarm_description import Process
-from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
+from hitab_ros.nodes.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 from hitab_ros.timing import FOUND_S
 
 SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"

@@ -28,8 +28,8 @@
 Settings above ``agents`` apply to all agents, so that an agent lists only its differences.
 `swarm_lines` has all keys. The namespace of an agent is its name within the swarm's namespace, in
 which programs find all agents of the swarm.
-`hitab_commander.kind_reader` documents kinds of commanders; the default orders of a kind are the
-behaviors that all its subordinates share.
+`hitab_commander.kinds.kind_reader` documents kinds of commanders; the default orders of a kind are
+the behaviors that all its subordinates share.
 """
 
 from __future__ import annotations

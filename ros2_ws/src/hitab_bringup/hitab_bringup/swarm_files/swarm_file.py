@@ -31,7 +31,7 @@ from hitab_bringup.swarm_files.swarm_lines import (
 )
 from hitab_bringup.swarm_files.swarm_vocabulary import SwarmVocabulary
 from hitab_client import DescriptionError
-from hitab_client.run_folder import state_home
+from hitab_client.runs.run_folder import state_home
 from hitab_commander import CommanderKind, KindRecord, kind_in, read_kind
 from hitab_commander.commander_domain import commander_domain
 from hitab_core import HitabError, has

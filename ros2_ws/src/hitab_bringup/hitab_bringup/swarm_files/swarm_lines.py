@@ -7,10 +7,10 @@
       captain: {kind: Company, commands: [scout_1, scout_2, corporal]}   # one, over all of these
       corporal: {kind: Squad, commands: {scout: 1, carrier: 4}}          # as many as it takes
     kinds:
-      Squad: {orders: ...}              # see hitab_commander.kind_reader
+      Squad: {orders: ...}              # see hitab_commander.kinds.kind_reader
       Company: company.yaml             # or a file that describes the kind
     processes:
-      relay: {module: hitab_robots.velocity_relay, namespace: robot_1}
+      relay: {module: hitab_robots.relay.velocity_relay, namespace: robot_1}
       lidar: {command: ros2 run ldlidar node, namespace: robot_1, remap: {scan: front/scan}}
 
 Processes are started, restarted and stopped with the agents, and each has a log.

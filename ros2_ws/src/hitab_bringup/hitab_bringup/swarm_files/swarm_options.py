@@ -8,7 +8,7 @@ from pathlib import Path
 from hitab_bringup.libraries.library_choice import with_library
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_bringup.swarm_files.swarm_file import parse_swarm, read_swarm
-from hitab_client.shipped import find_file
+from hitab_client.runs.shipped import find_file
 from hitab_core import HitabError
 from hitab_world import simulation_in
 

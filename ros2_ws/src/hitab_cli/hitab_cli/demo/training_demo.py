@@ -23,10 +23,10 @@ from hitab_cli.demo.demo_studio import play_on, studio_beside
 from hitab_cli.views import plots
 from hitab_cli.views.field_picture import draw_field
 from hitab_client import console
-from hitab_client.cli_remedies import called
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
 from hitab_client.measures import SECONDS, estimate, values_of
-from hitab_client.shipped import find_file
+from hitab_client.runs.shipped import find_file
+from hitab_client.terminal.cli_remedies import called
 from hitab_core import HitabError, has, quantity
 from hitab_core.operations import Perform
 from hitab_world.demo import DEMO_ENTRY_POINTS, Demo

@@ -12,8 +12,8 @@ import typer
 
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
-from hitab_client.cli_options import AgentName, SwarmName
-from hitab_core.operation import Operation, is_required
+from hitab_client.terminal.cli_options import AgentName, SwarmName
+from hitab_core.training.operation import Operation, is_required
 
 _UNASKED = {"seen", "pace", "exact"}
 """Fields that verbs do not set: a command counts when it arrives."""

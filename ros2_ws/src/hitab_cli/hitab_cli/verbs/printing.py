@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from hitab_client import console
-from hitab_client.cli_remedies import with_commands
+from hitab_client.terminal.cli_remedies import with_commands
 
 if TYPE_CHECKING:
     from hitab_client import Learned
@@ -33,7 +33,7 @@ def tell_faults(status: Any) -> None:
     Args:
         status: the agent's status.
     """
-    from hitab_ros.conversions import remedies_of
+    from hitab_ros.messages.conversions import remedies_of
 
     if status.faults:
         faults = "\n".join(f"but: {fault}" for fault in status.faults)

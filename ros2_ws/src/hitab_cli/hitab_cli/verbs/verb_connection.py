@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from hitab_client import console
-from hitab_client.cli_remedies import with_commands
+from hitab_client.terminal.cli_remedies import with_commands
 from hitab_ros.timing import REFRESH_S
 
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
-    from hitab_client.run_processes import RunProcesses
+    from hitab_client.runs.run_processes import RunProcesses
 
 
 @dataclass
@@ -33,7 +33,7 @@ class Connection:
         Args:
             identities: identities in the statuses of nodes that have answered.
         """
-        from hitab_client.swarm_choice import whose
+        from hitab_client.runs.swarm_choice import whose
 
         if self.record is None and not self.agents.identity:
             for sentence in whose(identities):
@@ -79,8 +79,8 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     Raises:
         SwarmError: if no swarm is up, or several are up and none is named.
     """
-    from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.swarm_choice import find_meant, is_namespace, look_elsewhere, none_is_up
+    from hitab_client.connecting.domain_ids import chosen_by_user
+    from hitab_client.runs.swarm_choice import find_meant, is_namespace, look_elsewhere, none_is_up
 
     domain_id = chosen_by_user()
     found = find_meant(swarm, domain_id)
@@ -89,8 +89,8 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
         console.note(with_commands(*none_is_up(domain_id)))
 
     from hitab_client import RosLink, SwarmClient, WorldClient
-    from hitab_client.identity import STARTED_BY_HAND
-    from hitab_client.run_processes import RunProcesses
+    from hitab_client.connecting.identity import STARTED_BY_HAND
+    from hitab_client.runs.run_processes import RunProcesses
 
     folder, record = found if found else (None, None)
     namespace = swarm if swarm and is_namespace(swarm) else ""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from hitab_client import console
-from hitab_client.cli_remedies import as_command
+from hitab_client.terminal.cli_remedies import as_command
 from hitab_core import START, Fix, quantity
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from hitab_core.library.durable_files import write_durably
 if TYPE_CHECKING:
     from hitab_bringup import GameSetup
     from hitab_client import Thing
-    from hitab_client.console import Advance
+    from hitab_client.terminal.console import Advance
     from hitab_world import World
 
 SUFFIXES = (".gif", ".png", ".webp")

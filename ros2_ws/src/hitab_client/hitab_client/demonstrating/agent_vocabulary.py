@@ -12,7 +12,7 @@ from hitab_client.demonstrating.pressed import Pressed, Prompt
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
 from hitab_core import FLAGS, BoundedNumber, Term, some, without_numbers
-from hitab_ros.conversions import numbers_of_behaviors
+from hitab_ros.messages.conversions import numbers_of_behaviors
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from hitab_client.run_folder import state_home
+from hitab_client.runs.run_folder import state_home
 from hitab_core import FLAGS, Term
 from hitab_core.library.durable_files import write_durably
 

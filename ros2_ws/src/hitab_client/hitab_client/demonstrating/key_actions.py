@@ -7,7 +7,6 @@ from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core.operation import Operation
 from hitab_core.operations import (
     Command,
     Perform,
@@ -15,6 +14,7 @@ from hitab_core.operations import (
     TakeOver,
     Test,
 )
+from hitab_core.training.operation import Operation
 from hitab_ros.call import blocking
 from hitab_ros.timing import ANSWER_S
 

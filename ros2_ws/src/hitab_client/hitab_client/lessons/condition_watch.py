@@ -14,11 +14,11 @@ from typing import Any, Self
 from hitab_msgs.msg import TransitionEvent, WorldState
 
 from hitab_client.lessons.conditions import Condition
+from hitab_client.showing.world_view import WorldView, speakers
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_client.world_view import WorldView, speakers
 from hitab_ros import names, qos
-from hitab_ros.stamps import seconds_of
+from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.timing import UPDATE_S
 
 

@@ -20,7 +20,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from hitab_client.world_view import WorldView
+from hitab_client.showing.world_view import WorldView
 from hitab_core.library.yaml_models import OneOf, Record, Texts
 
 

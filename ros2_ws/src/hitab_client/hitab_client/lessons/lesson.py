@@ -45,8 +45,8 @@ from hitab_core.library.yaml_models import (
     read_use,
 )
 from hitab_core.library.yaml_places import read_text, read_yaml
-from hitab_core.operation import Operation, is_required
 from hitab_core.operations import OPERATIONS
+from hitab_core.training.operation import Operation, is_required
 
 LESSON_FORMAT = 3
 """The newest format version that is read; 2 has the condition `feature`, 3 all operations."""

@@ -15,7 +15,6 @@ from typing import Any
 from hitab_msgs.srv import Control
 
 from hitab_client.errors import LessonError, SwarmError
-from hitab_client.interruptions import not_interrupted
 from hitab_client.lessons.condition_watch import ConditionWatch
 from hitab_client.lessons.lesson import (
     Check,
@@ -28,11 +27,11 @@ from hitab_client.lessons.lesson import (
     Step,
     Until,
 )
+from hitab_client.showing.world_as_it_was import standing_still
 from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_as_it_was import standing_still
+from hitab_client.terminal.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
 from hitab_core import ExampleKind, HitabError, quantity, some
-from hitab_core.operation import Operation
 from hitab_core.operations import (
     BeginTraining,
     Command,
@@ -41,6 +40,7 @@ from hitab_core.operations import (
     Perform,
     SaveBehavior,
 )
+from hitab_core.training.operation import Operation
 
 
 @dataclass

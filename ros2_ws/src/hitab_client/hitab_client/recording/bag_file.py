@@ -16,7 +16,7 @@ from rclpy.qos import QoSProfile
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.message_definitions import definition
-from hitab_ros.stamps import NANOSECONDS
+from hitab_ros.messages.stamps import NANOSECONDS
 
 METADATA = "hitab"
 """Name of the metadata record; recordings without one have the first format."""

@@ -11,7 +11,7 @@ from hitab_client.recording.reading import RecordedMessages, agent_meant
 from hitab_core import Fix, quantity
 from hitab_core.labeling import ShownAction
 from hitab_ros import names
-from hitab_ros.stamps import seconds_of
+from hitab_ros.messages.stamps import seconds_of
 
 VELOCITY_TOPIC = "cmd_vel"
 """Topic of a robot's applied velocity, in the agent's namespace."""

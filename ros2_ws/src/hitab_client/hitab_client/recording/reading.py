@@ -23,7 +23,7 @@ from hitab_client.recording.message_definitions import message_class, same_defin
 from hitab_client.recording.recordings import RECORDING_SUFFIX
 from hitab_core import has, natural, newer_format, quantity
 from hitab_ros import own_hash
-from hitab_ros.stamps import NANOSECONDS
+from hitab_ros.messages.stamps import NANOSECONDS
 
 MAGIC = b"\x89MCAP0\r\n"
 ZSTD = b"\x28\xb5\x2f\xfd"

@@ -24,10 +24,10 @@ from hitab_msgs.msg import (
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from visualization_msgs.msg import MarkerArray
 
+from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import BagFile
 from hitab_client.recording.message_definitions import definition, message_class, type_name
-from hitab_client.ros_link import RosLink
 from hitab_ros import names, own_hash, qos
 
 RECORDED_TOPICS: Mapping[str, tuple[Any, QoSProfile]] = {

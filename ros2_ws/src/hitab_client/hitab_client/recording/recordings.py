@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_client.errors import SwarmError
-from hitab_client.run_folder import state_home
+from hitab_client.runs.run_folder import state_home
 
 RECORDING_SUFFIX = ".mcap"
 RECORDING_NAME = re.compile(r"\w[\w .+()-]{0,99}", re.ASCII)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.arrays import Floats
+from hitab_core.numeric.arrays import Floats
 
 
 class Changed(NamedTuple):

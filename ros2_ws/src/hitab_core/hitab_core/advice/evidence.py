@@ -8,13 +8,13 @@ from functools import cached_property
 
 import numpy as np
 
-from hitab_core.arrays import Booleans, Floats
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import TREE
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.numeric.arrays import Booleans, Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,9 +20,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
-from hitab_core.spread import differences, spreads
+from hitab_core.numeric.arrays import Floats
+from hitab_core.numeric.spread import differences, spreads
 
 UNKNOWN_DISTANCE = math.inf
 """The distance where no example has any of the values."""

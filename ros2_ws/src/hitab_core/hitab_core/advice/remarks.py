@@ -24,8 +24,8 @@ from hitab_core.automaton import Automaton, as_entered
 from hitab_core.default_example import superseding
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import relearned
-from hitab_core.remedies import Fix, Remedy
 from hitab_core.repertoire import Repertoire
+from hitab_core.texts.remedies import Fix, Remedy
 
 
 @unique

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from hitab_core.advice.evidence import Evidence
 from hitab_core.domain import FeatureKind
 from hitab_core.learning import tree_text
-from hitab_core.wording import DEGREES
+from hitab_core.texts.wording import DEGREES
 
 
 def situation_in_words(

@@ -33,11 +33,11 @@ import numpy as np
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import apart
-from hitab_core.arrays import Booleans, Floats
 from hitab_core.automaton import START
 from hitab_core.domain import FeatureKind
 from hitab_core.learning.classifier_spec import ClassifierSpec
-from hitab_core.spread import spreads
+from hitab_core.numeric.arrays import Booleans, Floats
+from hitab_core.numeric.spread import spreads
 
 ASSUMED = 0.2
 """The least distance of a default example of an entry, in usual distances."""

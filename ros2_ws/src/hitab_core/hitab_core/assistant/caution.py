@@ -15,14 +15,14 @@ from enum import StrEnum
 
 from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
-from hitab_core.remedies import Fix
 from hitab_core.running.given_numbers import NumberRange
 from hitab_core.running.run_context import RunContext, Running
 from hitab_core.running.running_automaton import RunningAutomaton
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.remedies import Fix
+from hitab_core.texts.vocabulary import unknown
 from hitab_core.transition_function import TransitionFunction
-from hitab_core.vocabulary import unknown
 
 
 class WhenUnsure(StrEnum):

@@ -14,8 +14,8 @@ from itertools import pairwise
 from typing import Any
 
 from hitab_core.codec import from_dict
-from hitab_core.errors import HitabError
 from hitab_core.example import Example
+from hitab_core.texts.errors import HitabError
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.training_journal import (
     DISCARDED,

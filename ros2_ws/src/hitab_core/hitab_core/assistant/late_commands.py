@@ -16,7 +16,7 @@ import numpy as np
 
 from hitab_core.assistant.lateness import LateCommand, Lateness, settled
 from hitab_core.codec import to_dict
-from hitab_core.errors import HitabError
+from hitab_core.texts.errors import HitabError
 from hitab_core.training.events import CommandGiven, Proposal
 from hitab_core.training.percept_history import KEPT_SECONDS
 from hitab_core.training.percepts import PerceptRecord

@@ -26,8 +26,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
+from hitab_core.numeric.arrays import Booleans, Floats, Integers
 
 SOONEST, LATEST = 0.2, 1.2
 """Medians of people's delays, s: 95 % of them lie in between at first."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from contextlib import suppress
 
 from hitab_core.advice.remarks import Remark, loops
-from hitab_core.errors import HitabError
 from hitab_core.example import Example
+from hitab_core.texts.errors import HitabError
 from hitab_core.training.trainer import Trainer
 
 

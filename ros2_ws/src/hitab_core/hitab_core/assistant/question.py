@@ -9,8 +9,8 @@ from typing import Any
 
 from hitab_core.advice.evidence import answer_kind
 from hitab_core.codec import plain_values
-from hitab_core.errors import TrainingError
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.vocabulary import has
 
 
 class QuestionKind(StrEnum):

@@ -9,7 +9,7 @@ from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.advice.unshown import Unshown
 from hitab_core.example import Example
-from hitab_core.wording import numbered, quantity, some
+from hitab_core.texts.wording import numbered, quantity, some
 
 VALUES_SHOWN_MAX = 4
 """Maximum number of values named; with more, only values that the decision depends on."""

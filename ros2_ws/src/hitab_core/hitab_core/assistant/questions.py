@@ -18,20 +18,20 @@ import numpy as np
 from hitab_core.advice.changed import Changed, changed
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import Unshown, unshown
-from hitab_core.arrays import Booleans
 from hitab_core.assistant import question_texts
 from hitab_core.assistant.question import Choice, Question, QuestionKind, added
 from hitab_core.assistant.situation_sample import SituationSample
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.learning import TREE
 from hitab_core.learning.classifier_spec import ClassifierSpec
+from hitab_core.numeric.arrays import Booleans
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.vocabulary import has
+from hitab_core.texts.wording import numbered
 from hitab_core.training.percepts import PerceptRecord
 from hitab_core.training.trainer import Trainer
 from hitab_core.training.undo import Edit
-from hitab_core.vocabulary import has
-from hitab_core.wording import numbered
 
 TIMERS = tuple(term for term in OWN_FEATURES if term.name not in FLAGS)
 """Timers are excluded: their reset is not an event in the world."""

@@ -12,7 +12,7 @@ from collections import Counter
 from hitab_core.advice.remarks import Remark, RemarkKind
 from hitab_core.automaton import FLAGS, START
 from hitab_core.example import Example
-from hitab_core.remedies import Fix
+from hitab_core.texts.remedies import Fix
 from hitab_core.training.trainer import Trainer
 
 EPISODES_MIN = 50

@@ -25,8 +25,8 @@ from hitab_core.drawing.layout import (
     place_words,
     state_boxes,
 )
-from hitab_core.errors import HitabError
-from hitab_core.wording import unbroken
+from hitab_core.texts.errors import HitabError
+from hitab_core.texts.wording import unbroken
 
 _INK = "#1f2933"
 _ARROW = "#52606d"

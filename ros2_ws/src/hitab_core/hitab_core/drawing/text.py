@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.drawing.graph import NO_RULES, Arrow, arrows
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.wording import quantity
+from hitab_core.texts.wording import quantity
 
 
 def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:

@@ -17,14 +17,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.automaton import START
 from hitab_core.domain import Scale
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.labeling.likelihood import log_likelihoods, spread_of, unexplained
 from hitab_core.labeling.paths import draw, forward, posterior
 from hitab_core.learning import learn_transitions
+from hitab_core.numeric.arrays import Booleans, Floats, Integers
+from hitab_core.texts.errors import TrainingError
 from hitab_core.transition_function import LearnedTransition
 
 STAY = 0.9

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
+from hitab_core.numeric.arrays import Booleans, Floats, Integers
 
 SURE = 4.0
 """Spreads; a moment farther from all behaviors is explained by none."""

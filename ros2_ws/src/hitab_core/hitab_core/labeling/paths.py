@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hitab_core.arrays import Floats, Integers
+from hitab_core.numeric.arrays import Floats, Integers
 
 
 def forward(start: Floats, steps: Floats, odds: Floats) -> Floats:

@@ -10,14 +10,14 @@ from itertools import groupby
 import numpy as np
 
 from hitab_core.action_behavior import ActionBehavior
-from hitab_core.arrays import Floats
 from hitab_core.domain import FLAGS_AND_TIMERS, Domain
-from hitab_core.errors import VocabularyError
 from hitab_core.labeling.labels import Progress, Run, no_progress
 from hitab_core.labeling.likelihood import apart
+from hitab_core.numeric.arrays import Floats
 from hitab_core.running.feature_cache import FeatureCache, resolved, value_or_nan
 from hitab_core.term import Term
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import VocabularyError
+from hitab_core.texts.vocabulary import has
 
 
 @dataclass(frozen=True, slots=True)

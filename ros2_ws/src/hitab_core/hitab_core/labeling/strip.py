@@ -9,17 +9,17 @@ from itertools import groupby
 import numpy as np
 
 from hitab_core.agent import Agent
-from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError, TrainingError
 from hitab_core.labeling.labels import Progress, Run, label, no_progress
 from hitab_core.labeling.shown_actions import ShownAction, behaviors_meant, features_meant, runs_of
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.saving import SavedBehavior
+from hitab_core.library.saving import SavedBehavior
+from hitab_core.numeric.arrays import Booleans, Floats, Integers
 from hitab_core.term import Term
+from hitab_core.texts.errors import LibraryError, TrainingError
+from hitab_core.texts.vocabulary import check_known
+from hitab_core.texts.wording import quantity
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.vocabulary import check_known
-from hitab_core.wording import quantity
 
 UNSURE = 0.8
 """Labels below this probability are unsure."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hitab_core.errors import VocabularyError
+from hitab_core.texts.errors import VocabularyError
 
 
 @dataclass(frozen=True, slots=True)

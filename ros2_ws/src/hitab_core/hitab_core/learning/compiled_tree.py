@@ -15,9 +15,9 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from hitab_core.errors import NoValueError
 from hitab_core.learning.missing_values import Likely
 from hitab_core.learning.tree_nodes import Arc, Counts, Leaf, Node, Threshold, fold
+from hitab_core.texts.errors import NoValueError
 from hitab_core.transition_function import Decide, Values
 
 Compiled = Any

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from hitab_core.arrays import Floats
 from hitab_core.domain import FeatureKind, Scale
+from hitab_core.numeric.arrays import Floats
 
 
 def encoding_of(X: Floats, scales: Sequence[Scale]) -> Callable[[Floats], Floats]:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hitab_core.arrays import Booleans, Floats
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import FeatureValueError, VocabularyError
+from hitab_core.numeric.arrays import Booleans, Floats
+from hitab_core.texts.errors import FeatureValueError, VocabularyError
 
 _NEEDED = (
     "which is missing, and this classifier takes no missing values; leave out the example or the "

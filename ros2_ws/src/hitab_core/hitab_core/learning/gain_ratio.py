@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core.arrays import Floats, Integers
+from hitab_core.numeric.arrays import Floats, Integers
 
 Counts = Integers | Floats
 """Numbers of examples; floats where some count only in part."""

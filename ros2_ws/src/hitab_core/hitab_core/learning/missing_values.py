@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from hitab_core.errors import NoValueError
 from hitab_core.learning.tree_nodes import Leaf, Node
+from hitab_core.texts.errors import NoValueError
 from hitab_core.transition_function import Values
 
 Likely = Callable[[Values, Callable[[int], float]], int]

@@ -14,9 +14,9 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.numeric.arrays import Floats
 
 
 class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]

@@ -24,12 +24,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hitab_core.domain import Scale
-from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_encoding import encoding_of
 from hitab_core.learning.feature_values import check_scales, feature_values
+from hitab_core.texts.errors import TrainingError, VocabularyError
+from hitab_core.texts.wording import quantity
 from hitab_core.transition_function import Decide, Explanation, HandWritten
-from hitab_core.wording import quantity
 
 
 def classifier_maker(spec: ClassifierSpec) -> Callable[[], Any]:

@@ -39,11 +39,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.boundaries import end_between, threshold_between
 from hitab_core.learning.gain_ratio import TIE, Counts, best_of, gain_and_ratio, two_way_gains
 from hitab_core.learning.tree_nodes import Arc, Categories, Test, Threshold
+from hitab_core.numeric.arrays import Booleans, Floats, Integers
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import Domain, Scale
-from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
@@ -19,9 +18,10 @@ from hitab_core.learning.scikit_learn_adapter import classifier_maker, learn_wit
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_text import Rule
 from hitab_core.regression import learn_numbers
+from hitab_core.texts.errors import TrainingError, VocabularyError
+from hitab_core.texts.vocabulary import has
+from hitab_core.texts.wording import quantity
 from hitab_core.transition_function import LearnedTransition
-from hitab_core.vocabulary import has
-from hitab_core.wording import quantity
 
 TREE = "tree"
 

@@ -16,9 +16,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hitab_core.arrays import Floats
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.errors import VocabularyError
 from hitab_core.learning import tree_text
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.compiled_tree import compiled, decider, leaf_choice
@@ -29,8 +27,10 @@ from hitab_core.learning.tree_growth import grow
 from hitab_core.learning.tree_nodes import Leaf, Node, described, nodes
 from hitab_core.learning.tree_pruning import prune
 from hitab_core.learning.tree_text import Rule
+from hitab_core.numeric.arrays import Floats
+from hitab_core.texts.errors import VocabularyError
+from hitab_core.texts.vocabulary import has
 from hitab_core.transition_function import Decide, Explanation
-from hitab_core.vocabulary import has
 
 
 @dataclass(eq=False)

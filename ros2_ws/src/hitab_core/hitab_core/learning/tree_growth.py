@@ -15,7 +15,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Scale
 from hitab_core.learning.gain_ratio import TIE
 from hitab_core.learning.splits import (
@@ -28,6 +27,7 @@ from hitab_core.learning.splits import (
     split_by,
 )
 from hitab_core.learning.tree_nodes import Fork, Leaf, Node, nodes
+from hitab_core.numeric.arrays import Booleans, Floats, Integers
 
 LEAST_FRACTION = 1 / 128
 """The smallest part of an example for which a branch is made, if one example is enough for one.

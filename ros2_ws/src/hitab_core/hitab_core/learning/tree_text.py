@@ -17,7 +17,7 @@ from itertools import pairwise
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.tree_nodes import Arc, Categories, Fork, Leaf, Node
-from hitab_core.wording import DEGREES, quantity
+from hitab_core.texts.wording import DEGREES, quantity
 
 Step = tuple[Fork, int | None]
 """A node on a path and the branch taken there; None for a category that was not seen."""

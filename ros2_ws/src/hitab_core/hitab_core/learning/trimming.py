@@ -12,14 +12,14 @@ from typing import Any
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START, Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import VocabularyError
 from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import described, nodes
 from hitab_core.repertoire import Repertoire
 from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term
+from hitab_core.texts.errors import VocabularyError
+from hitab_core.texts.vocabulary import has
 from hitab_core.transition_function import TransitionFunction
-from hitab_core.vocabulary import has
 
 
 def trim(

@@ -9,7 +9,6 @@ from typing import Any
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.codec import plain_values, to_dict
 from hitab_core.domain import Domain, FeatureKind
-from hitab_core.errors import LibraryError
 from hitab_core.example import CYCLE_MAX, Example
 from hitab_core.learning.transition_learning import rules_of
 from hitab_core.library.behavior_text import behavior_text
@@ -17,7 +16,8 @@ from hitab_core.library.digests import checksum
 from hitab_core.library.expectation import KEY, Expectation, broken_expectations
 from hitab_core.library.provenance import Provenance
 from hitab_core.term import Term
-from hitab_core.wording import quantity
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.wording import quantity
 
 BEHAVIOR_FORMAT = 3
 """The format version that is written, and the only one that is read."""

@@ -17,7 +17,6 @@ from pathlib import Path
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.commit import held
@@ -29,7 +28,8 @@ from hitab_core.library.library_files import LibraryFiles
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.library.provenance import Provenance, time_now
 from hitab_core.library.renaming import plan_renaming
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.vocabulary import has
 
 
 class BehaviorLibrary:

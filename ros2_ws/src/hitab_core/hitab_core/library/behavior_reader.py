@@ -10,7 +10,6 @@ from typing import Any
 from hitab_core.automaton import FLAGS, RESERVED_NAMES, START, Automaton
 from hitab_core.codec import from_dict
 from hitab_core.domain import Domain, FeatureKind, Scale
-from hitab_core.errors import HitabError, VocabularyError, newer_format
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import (
@@ -28,9 +27,10 @@ from hitab_core.library.yaml_places import Complaints, Document, Place, read_yam
 from hitab_core.number import wrong_with
 from hitab_core.regression import learn_numbers
 from hitab_core.term import Term
+from hitab_core.texts.errors import HitabError, VocabularyError, newer_format
+from hitab_core.texts.vocabulary import has, unknown
+from hitab_core.texts.wording import quantity
 from hitab_core.transition_function import LearnedTransition
-from hitab_core.vocabulary import has, unknown
-from hitab_core.wording import quantity
 
 
 def read_behavior(

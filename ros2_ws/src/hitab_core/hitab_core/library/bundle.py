@@ -6,14 +6,14 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from hitab_core.errors import LibraryError, VocabularyError
 from hitab_core.hierarchy import in_order
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.check import misfits
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.repertoire import Repertoire
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import LibraryError, VocabularyError
+from hitab_core.texts.vocabulary import has
 
 
 @dataclass(frozen=True, slots=True)

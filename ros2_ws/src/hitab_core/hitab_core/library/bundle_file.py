@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from hitab_core.errors import LibraryError
 from hitab_core.hierarchy import in_order
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.bundle import bundle_digest
 from hitab_core.library.yaml_places import read_text, read_yaml
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.vocabulary import has
 
 if TYPE_CHECKING:
     from hitab_core.library.bundle_model import BundleFile

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, text_of
 from hitab_core.library.commit import Changes, commit
 from hitab_core.library.contents import LibraryContents, LostBehaviors
@@ -14,8 +13,9 @@ from hitab_core.library.expectation import Expectation, broken_expectations
 from hitab_core.library.library_files import LibraryFiles
 from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.provenance import Provenance, tool_name
-from hitab_core.vocabulary import has
-from hitab_core.wording import quantity
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.vocabulary import has
+from hitab_core.texts.wording import quantity
 
 
 class LibraryChange:

@@ -8,8 +8,8 @@ from hitab_core.automaton import FLAGS
 from hitab_core.domain import Domain
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.vocabulary import has
-from hitab_core.wording import quantity
+from hitab_core.texts.vocabulary import has
+from hitab_core.texts.wording import quantity
 
 
 def misfits(

@@ -15,7 +15,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hitab_core.errors import LibraryError
 from hitab_core.library.durable_files import (
     LOCK_TIMEOUT_S,
     UNFINISHED,
@@ -26,6 +25,7 @@ from hitab_core.library.durable_files import (
     sync_together,
     write_new,
 )
+from hitab_core.texts.errors import LibraryError
 
 CHANGE = ".change"
 """The folder of a change that was made and is not in its places yet."""

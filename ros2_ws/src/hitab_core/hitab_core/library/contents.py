@@ -8,11 +8,11 @@ from pathlib import Path
 
 from hitab_core.automaton import RESERVED_NAMES
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.remedies import Fix, Remedy
 from hitab_core.term import VOCABULARY_NAME
-from hitab_core.wording import quantity
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.remedies import Fix, Remedy
+from hitab_core.texts.wording import quantity
 
 
 @dataclass(frozen=True)

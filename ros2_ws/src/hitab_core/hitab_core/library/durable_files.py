@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hitab_core.errors import FolderInUseError, HitabError, LibraryError
+from hitab_core.texts.errors import FolderInUseError, HitabError, LibraryError
 
 UNFINISHED = ".tmp"
 """Suffix of a file that is being written; leftovers after a crash mean nothing."""

@@ -7,7 +7,6 @@ from contextlib import suppress
 from pathlib import Path
 
 from hitab_core.automaton import RESERVED_NAMES
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX, BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.check import misfits
@@ -17,7 +16,8 @@ from hitab_core.library.durable_files import file_errors
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.library.yaml_places import read_text
 from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.vocabulary import has
 
 VERSIONS = ".versions"
 

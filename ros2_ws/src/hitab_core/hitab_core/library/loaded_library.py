@@ -8,12 +8,12 @@ from functools import cached_property
 from weakref import WeakValueDictionary
 
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.contents import LostBehaviors
 from hitab_core.library.digests import digest_of
 from hitab_core.repertoire import Repertoire
+from hitab_core.texts.errors import LibraryError
 
 NOTHING_LOST = LostBehaviors()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from hitab_core.installation import installed_version
+from hitab_core.library.installation import installed_version
 
 
 @dataclass(frozen=True, slots=True)

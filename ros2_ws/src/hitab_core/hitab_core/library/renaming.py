@@ -8,12 +8,12 @@ from typing import Any
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import LibraryError
 from hitab_core.learning.transition_learning import relearned, rules_of
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
 from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import LibraryError
+from hitab_core.texts.vocabulary import has
 
 
 def plan_renaming(

@@ -25,10 +25,10 @@ from pydantic import (
     model_validator,
 )
 
-from hitab_core.errors import HitabError, newer_format
 from hitab_core.library.yaml_places import Complaints, Document, Place, kind_of
 from hitab_core.term import Term
-from hitab_core.vocabulary import has
+from hitab_core.texts.errors import HitabError, newer_format
+from hitab_core.texts.vocabulary import has
 
 
 class Record(BaseModel):

@@ -15,8 +15,8 @@ from typing import Any
 
 import yaml
 
-from hitab_core.errors import HitabError, LibraryError
 from hitab_core.library.durable_files import file_errors
+from hitab_core.texts.errors import HitabError, LibraryError
 
 Place = tuple[str | int, ...]
 """A place in a document: keys and indices from the root inwards."""

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from hitab_core.operation import Operation, Outcome
 from hitab_core.operations.subjects import training_of
 from hitab_core.term import Term
-from hitab_core.wording import quantity
+from hitab_core.texts.wording import quantity
+from hitab_core.training.operation import Operation, Outcome
 
 if TYPE_CHECKING:
     from hitab_core.agent import Agent

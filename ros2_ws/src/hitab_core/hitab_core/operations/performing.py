@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hitab_core.errors import LibraryError, VocabularyError
-from hitab_core.operation import Operation, Outcome, Shipment
 from hitab_core.operations.subjects import term_of
-from hitab_core.remedies import Fix
-from hitab_core.wording import quantity
+from hitab_core.texts.errors import LibraryError, VocabularyError
+from hitab_core.texts.remedies import Fix
+from hitab_core.texts.wording import quantity
+from hitab_core.training.operation import Operation, Outcome, Shipment
 
 if TYPE_CHECKING:
     from hitab_core.agent import Agent

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from hitab_core.errors import TrainingError
-from hitab_core.remedies import Fix
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.remedies import Fix
 
 if TYPE_CHECKING:
     from hitab_core.agent import Agent

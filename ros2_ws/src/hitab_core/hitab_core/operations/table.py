@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hitab_core.operation import Operation
 from hitab_core.operations import examples, performing, training
+from hitab_core.training.operation import Operation
 
 OPERATIONS: dict[str, type[Operation]] = {
     kind.name: kind

@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from hitab_core.errors import TrainingError
 from hitab_core.library.expectation import broken_expectations
-from hitab_core.mode import Mode
-from hitab_core.operation import Operation, Outcome
 from hitab_core.operations.subjects import term_of, training_of
-from hitab_core.remedies import Fix
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.remedies import Fix
+from hitab_core.texts.wording import quantity
 from hitab_core.training.events import Given
-from hitab_core.wording import quantity
+from hitab_core.training.operation import Operation, Outcome
 
 if TYPE_CHECKING:
     from hitab_core.agent import Agent

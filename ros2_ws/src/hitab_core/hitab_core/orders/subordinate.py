@@ -9,11 +9,11 @@ from dataclasses import replace
 from typing import Any
 
 from hitab_core.agent import Agent
-from hitab_core.errors import HitabError, LostBehaviorError
-from hitab_core.mode import Mode
 from hitab_core.orders.order import Order, Report
 from hitab_core.running.feature_cache import resolved, value_or_nan
+from hitab_core.running.mode import Mode
 from hitab_core.term import Term
+from hitab_core.texts.errors import HitabError, LostBehaviorError
 
 NAN = math.nan
 

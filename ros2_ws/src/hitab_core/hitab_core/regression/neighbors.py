@@ -7,8 +7,8 @@ are exact at a moment shown, and are explained by three moments. Learning is sor
 arrays, which an agent does while it runs.
 
 A situation is a point: a feature is a line in units of its usual difference, see
-`hitab_core.spread`, a circle on which a short way has this length, or, with categories, corners
-that are 1 apart. The distance is Euclidean; a missing value counts as 1.
+`hitab_core.numeric.spread`, a circle on which a short way has this length, or, with categories,
+corners that are 1 apart. The distance is Euclidean; a missing value counts as 1.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
 from hitab_core.example import Example
 from hitab_core.number import BoundedNumber
-from hitab_core.spread import spreads
+from hitab_core.numeric.arrays import Floats
+from hitab_core.numeric.spread import spreads
 from hitab_core.term import Term
 
 NEAREST = 3

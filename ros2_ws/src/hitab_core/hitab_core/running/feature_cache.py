@@ -9,8 +9,8 @@ from functools import partial
 from typing import Any, ParamSpec
 
 from hitab_core.domain import Domain, Feature, FeatureKind
-from hitab_core.errors import FeatureValueError, HitabError, NoValueError, VocabularyError
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, HitabError, NoValueError, VocabularyError
 from hitab_core.transition_function import Values
 
 P = ParamSpec("P")

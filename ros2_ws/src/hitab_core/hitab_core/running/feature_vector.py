@@ -9,10 +9,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 from hitab_core.automaton import FLAGS, OWN_NAMES
-from hitab_core.errors import NoValueError
 from hitab_core.running.feature_cache import value_or_nan
 from hitab_core.running.run_context import RunContext, Running
 from hitab_core.term import Term
+from hitab_core.texts.errors import NoValueError
 
 
 class FeatureVector:

@@ -16,8 +16,8 @@ from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_core.errors import FolderInUseError, LibraryError, newer_format
 from hitab_core.library.durable_files import file_errors, make_folder
+from hitab_core.texts.errors import FolderInUseError, LibraryError, newer_format
 
 if TYPE_CHECKING:  # importing it takes 10 ms, which most processes need not spend
     import sqlite3

@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.learning.transition_learning import learner
 from hitab_core.repertoire import Repertoire
 from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term
-from hitab_core.vocabulary import check_known, did_you_mean, has, unknown
-from hitab_core.wording import quantity
+from hitab_core.texts.errors import TrainingError, VocabularyError
+from hitab_core.texts.vocabulary import check_known, did_you_mean, has, unknown
+from hitab_core.texts.wording import quantity
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, NamedTuple, ParamSpec, TypeVar
 
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.running.observing import guest
+from hitab_core.texts.errors import TrainingError
 from hitab_core.training.percepts import PerceptRecord
 
 P = ParamSpec("P")

@@ -10,11 +10,11 @@ from typing import Any
 from hitab_core.automaton import START
 from hitab_core.codec import from_dict, values_of
 from hitab_core.default_example import marked
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, Place
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.vocabulary import has
+from hitab_core.texts.wording import numbered, quantity
 from hitab_core.training.undo import NUMBER, Edit, History
-from hitab_core.vocabulary import has
-from hitab_core.wording import numbered, quantity
 
 NUMBERS_MAX = 6
 """The description of an edit with more examples gives their number instead of listing them."""

@@ -11,13 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hitab_core.automaton import CLEARED
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.vocabulary import has
+from hitab_core.texts.wording import quantity, some
 from hitab_core.training.trainer import Trainer
 from hitab_core.training.undo import Edit
-from hitab_core.vocabulary import has
-from hitab_core.wording import quantity, some
 
 
 def exchanged(

@@ -17,9 +17,9 @@ from typing import Any
 from hitab_core.automaton import as_entered
 from hitab_core.codec import from_dict, to_dict
 from hitab_core.domain import Domain
-from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.term import Term
+from hitab_core.texts.errors import FeatureValueError, TrainingError
 from hitab_core.training.percepts import PerceptRecord, nearest, readable, state_of
 
 KEPT_SECONDS = 10.0

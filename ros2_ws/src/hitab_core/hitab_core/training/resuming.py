@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BasicBehavior
-from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.repertoire import Repertoire
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError, VocabularyError
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.exchange import exchanged, realigned
 from hitab_core.training.percepts import readable

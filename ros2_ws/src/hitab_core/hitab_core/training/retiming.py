@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from hitab_core.automaton import as_entered
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.texts.errors import TrainingError
 from hitab_core.training.example_log import these
 from hitab_core.training.percept_history import STEP_SECONDS
 from hitab_core.training.percepts import PerceptRecord, nearest

@@ -37,13 +37,13 @@ from typing import Any
 from hitab_core.automaton import START, Automaton, as_entered
 from hitab_core.codec import to_dict
 from hitab_core.default_example import default_example
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.trimming import check_bound, rebind, trim
 from hitab_core.running.run_context import RunContext
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError
 from hitab_core.training.curriculum import Curriculum, check_curriculum, check_state
 from hitab_core.training.events import NOW, CommandGiven, Given, Proposal, TrainingEvents
 from hitab_core.training.example_log import ExampleLog, states_in

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hitab_core.codec import to_dict
-from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
-from hitab_core.operation import Operation
 from hitab_core.term import Term
+from hitab_core.texts.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.training.agent_database import MOVE_AWAY, OLDER, AgentDatabase
 from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.operation import Operation
 
 if TYPE_CHECKING:
     import sqlite3

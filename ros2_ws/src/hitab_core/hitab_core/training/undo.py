@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from enum import Enum, auto
 from operator import attrgetter
 
-from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.texts.errors import TrainingError
 
 NUMBER = attrgetter("number")
 

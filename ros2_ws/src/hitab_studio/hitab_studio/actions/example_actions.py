@@ -8,7 +8,7 @@ from hitab_core.operations import RelabelExamples
 from hitab_studio.actions.operation_actions import carry_out, meant
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import go_there
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 
 @action("mark", repeats=True)

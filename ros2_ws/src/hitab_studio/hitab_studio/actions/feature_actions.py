@@ -5,10 +5,10 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.example_effects import effect
-from hitab_studio.page import Page
-from hitab_studio.ui_remedies import error_text
-from hitab_studio.unavailable import training_of
+from hitab_studio.pages.example_effects import effect
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.ui_remedies import error_text
+from hitab_studio.pages.unavailable import training_of
 
 
 @action("features-dialog")

@@ -12,9 +12,9 @@ from typing import Any
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping, generations_folder, read_generations
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
-from hitab_studio.page_parts import Making
-from hitab_studio.swarm_link import Connected
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.page_parts import Making
+from hitab_studio.swarm.swarm_link import Connected
 
 EPISODES_MAX = 1000
 NOTE_LENGTH_MAX = 200

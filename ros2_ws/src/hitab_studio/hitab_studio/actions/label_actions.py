@@ -9,8 +9,8 @@ from hitab_core.labeling import Span, Strip
 from hitab_studio.actions.library_actions import change_library
 from hitab_studio.actions.recording_actions import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
-from hitab_studio.replay import Labels, ReplayPlayer
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.replay import Labels, ReplayPlayer
 
 
 @action("label-dialog")

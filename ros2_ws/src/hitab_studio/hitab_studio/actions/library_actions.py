@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_client.cli_remedies import called
-from hitab_client.run_folder import libraries_of
+from hitab_client.runs.run_folder import libraries_of
+from hitab_client.terminal.cli_remedies import called
 from hitab_core import BehaviorLibrary, load_domain
 from hitab_studio.actions.recording_actions import meanwhile_busy
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
-from hitab_studio.swarm_link import Connected
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.swarm_link import Connected
 
 
 @action("behavior-rename")

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
-from hitab_core.operation import Operation
 from hitab_core.operations import OPERATIONS
+from hitab_core.training.operation import Operation
 from hitab_studio.actions.registry import REGISTERED_ACTIONS, Data, action, number_from
-from hitab_studio.page import Page
-from hitab_studio.ui_remedies import answer_text
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.ui_remedies import answer_text
 
 Op = TypeVar("Op", bound=Operation)
 

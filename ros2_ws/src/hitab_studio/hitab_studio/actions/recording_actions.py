@@ -9,8 +9,8 @@ from typing import TypeVar
 from hitab_client import SwarmError
 from hitab_client.recording import recordings
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import RECORDING, Page
-from hitab_studio.replay import Recording, ReplayPlayer
+from hitab_studio.pages.page import RECORDING, Page
+from hitab_studio.swarm.replay import Recording, ReplayPlayer
 
 T = TypeVar("T")
 

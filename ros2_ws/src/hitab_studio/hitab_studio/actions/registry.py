@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 Data = Mapping[str, Any]
 Action = Callable[[Page, Data], Awaitable[None]]

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 from hitab_client import SwarmError
 from hitab_core.operations import Distribute, SaveBehavior
-from hitab_ros.conversions import pairs_message
+from hitab_ros.messages.conversions import pairs_message
 from hitab_studio.actions.operation_actions import carry_out, meant
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
-from hitab_studio.ui_remedies import error_text
-from hitab_studio.unavailable import training_of
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.ui_remedies import error_text
+from hitab_studio.pages.unavailable import training_of
 
 
 @action("save-dialog")

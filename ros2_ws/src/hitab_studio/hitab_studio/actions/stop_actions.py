@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_core import some
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 STOP_REASON = "emergency stop in the studio"
 """The reason of the stop, as shown to other people."""

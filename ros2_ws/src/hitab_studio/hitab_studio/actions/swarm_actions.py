@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_client import SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 
 @action("swarm-start")

@@ -12,8 +12,8 @@ from hitab_ros.timing import ANSWER_S, PROMPT_S
 from hitab_studio.actions.operation_actions import carry_out, meant
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import paused
-from hitab_studio.page import CHOOSE_FIRST, Page
-from hitab_studio.page_parts import LostCommand, MissingTargets, ShownNumbers
+from hitab_studio.pages.page import CHOOSE_FIRST, Page
+from hitab_studio.pages.page_parts import LostCommand, MissingTargets, ShownNumbers
 
 
 @action("command")

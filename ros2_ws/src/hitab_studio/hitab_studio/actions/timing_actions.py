@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
-from hitab_studio.person_names import checked
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.person_names import checked
 
 
 @action("name-set")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching_actions import discard, give_target, targets_meant
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 REASON_LENGTH_MAX = 300
 """Maximum length of a shown reason, characters."""

@@ -8,7 +8,7 @@ from hitab_msgs.msg import WorldState
 
 from hitab_client import SwarmError, WorldClient
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 UNDO_MAX = 100
 PAUSED = WorldState.PAUSED

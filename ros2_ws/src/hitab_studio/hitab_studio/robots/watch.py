@@ -16,6 +16,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from hitab_client import RosLink
 from hitab_core import natural
 from hitab_ros.timing import UPDATE_S
+from hitab_studio.field.scene import Appearance, Scene
 from hitab_studio.robots.mounts import Mounts
 from hitab_studio.robots.robot_messages import SCANS, Grid, Placed
 from hitab_studio.robots.tf_frames import Frames, Matrix, applied, in_plane
@@ -28,7 +29,6 @@ from hitab_studio.robots.topics import (
     map_topic,
     robots_topics,
 )
-from hitab_studio.scene import Appearance, Scene
 
 MAP_FRAME = "map"  # as in REP 105
 TF_QUEUE = 200

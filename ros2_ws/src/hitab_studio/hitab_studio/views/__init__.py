@@ -11,10 +11,10 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from jinja2.utils import markupsafe
 
-from hitab_client.cli_remedies import called
+from hitab_client.terminal.cli_remedies import called
 from hitab_core import quantity, unbroken
-from hitab_studio import unavailable
-from hitab_studio.page import Page
+from hitab_studio.pages import unavailable
+from hitab_studio.pages.page import Page
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
 from hitab_studio.views.tab_swarm import since

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from hitab_studio.absence import absence
-from hitab_studio.page import Page
-from hitab_studio.scene import state_shown
+from hitab_studio.field.scene import state_shown
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.absence import absence
 
 ROWS_MAX = 80
 """Maximum number of rows shown; others are found by typing."""

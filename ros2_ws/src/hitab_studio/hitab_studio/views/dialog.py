@@ -8,10 +8,10 @@ from typing import Any
 
 from hitab_core import FLAGS, FeatureKind, Term, shown_unit
 from hitab_studio.actions.library_actions import users_of
-from hitab_studio.graph_layout import Graph, graph
-from hitab_studio.page import Page
-from hitab_studio.person_names import NAME_LENGTH_MAX
-from hitab_studio.received_vocabulary import terms
+from hitab_studio.field.graph_layout import Graph, graph
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.person_names import NAME_LENGTH_MAX
+from hitab_studio.swarm.received_vocabulary import terms
 from hitab_studio.views.label_strip import words
 from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.question_titles import WHEN_UNSURE

@@ -6,8 +6,8 @@ from typing import Any
 
 from hitab_core import Domain, Term
 from hitab_core.labeling import UNSURE
-from hitab_studio.page import Page
-from hitab_studio.received_vocabulary import terms
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.received_vocabulary import terms
 
 
 def strip(page: Page) -> dict[str, Any] | None:

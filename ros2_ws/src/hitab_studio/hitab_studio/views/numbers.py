@@ -16,7 +16,7 @@ from hitab_core import (
     shown_unit,
     shown_value,
 )
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 ONE_DECIMAL_FROM = 100.0
 """Absolute value from which numbers have one decimal instead of two."""

@@ -7,10 +7,10 @@ from typing import Any
 
 from hitab_core import FLAGS, START, BoundedNumber, Fix, Term, some
 from hitab_ros.names import WORLD
-from hitab_studio.absence import absence
 from hitab_studio.actions.teaching_actions import targets_asked, targets_meant
-from hitab_studio.launcher import NONE, unknown
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.absence import absence
+from hitab_studio.swarm.launcher import NONE, unknown
 from hitab_studio.views import robot_sensors
 from hitab_studio.views.label_strip import strip
 from hitab_studio.views.perceived import plotted

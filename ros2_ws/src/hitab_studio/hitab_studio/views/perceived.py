@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hitab_core import OWN_NAMES, Term
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_msgs.msg import Question
 
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides nevertheless"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 from hitab_studio.robots.topics import CAMERA
 from hitab_studio.robots.watch import SensorStatus
 

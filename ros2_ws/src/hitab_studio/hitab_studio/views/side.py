@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_studio.absence import absence
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.absence import absence
 from hitab_studio.views import (
     tab_examples,
     tab_learned,

@@ -7,9 +7,9 @@ from typing import Any
 
 from hitab_client import Learned
 from hitab_core import BoundedNumber, Example, Term, shown_unit
-from hitab_studio.example_effects import is_contradicted, most_probable, superseding
-from hitab_studio.page import Page
-from hitab_studio.page_parts import ExamplesTable
+from hitab_studio.pages.example_effects import is_contradicted, most_probable, superseding
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.page_parts import ExamplesTable
 from hitab_studio.views.numbers import measure
 
 

@@ -7,9 +7,9 @@ from typing import Any
 
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Term, with_numbers
-from hitab_studio.graph_layout import graph
-from hitab_studio.page import Page
-from hitab_studio.tree_rows import tree_rows
+from hitab_studio.field.graph_layout import graph
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 
 TRANSITIONS_SHOWN_MAX = 8

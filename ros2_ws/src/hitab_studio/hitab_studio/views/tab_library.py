@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_core import automaton_as_text
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 
 def context(page: Page) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from hitab_client.recording.recordings import recordings, recordings_folder
-from hitab_studio.page import Page
+from hitab_studio.pages.page import Page
 
 RECORDINGS_MAX = 30
 

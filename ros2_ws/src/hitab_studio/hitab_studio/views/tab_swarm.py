@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from hitab_core import natural, some
-from hitab_studio.absence import NOT_HEARD, absence
-from hitab_studio.page import Page
-from hitab_studio.scene import state_shown
-from hitab_studio.swarm_finder import SwarmTarget
-from hitab_studio.swarm_state import SwarmState
+from hitab_studio.field.scene import state_shown
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.absence import NOT_HEARD, absence
+from hitab_studio.swarm.swarm_finder import SwarmTarget
+from hitab_studio.swarm.swarm_state import SwarmState
 
 DAY = 24 * 3600
 

@@ -6,9 +6,9 @@ from typing import Any
 
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
-from hitab_studio.example_effects import superseding
-from hitab_studio.page import Page
-from hitab_studio.ui_remedies import in_studio
+from hitab_studio.pages.example_effects import superseding
+from hitab_studio.pages.page import Page
+from hitab_studio.pages.ui_remedies import in_studio
 from hitab_studio.views import robot_sensors
 from hitab_studio.views.numbers import measure
 from hitab_studio.views.perceived import perceived

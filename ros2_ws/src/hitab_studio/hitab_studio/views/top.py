@@ -6,9 +6,9 @@ import time
 from typing import Any
 
 from hitab_ros import names
-from hitab_studio import unavailable
-from hitab_studio.absence import absence
-from hitab_studio.page import Page
+from hitab_studio.pages import unavailable
+from hitab_studio.pages.page import Page
+from hitab_studio.swarm.absence import absence
 from hitab_studio.views.overlay import empty
 from hitab_studio.views.tab_swarm import absent
 

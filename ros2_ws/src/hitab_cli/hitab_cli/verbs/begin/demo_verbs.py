@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.cli_options import JsonPath
+from hitab_client.terminal.cli_options import JsonPath
 
 
 def demo(

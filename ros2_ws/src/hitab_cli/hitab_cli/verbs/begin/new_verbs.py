@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.cli_remedies import called
+from hitab_client.terminal.cli_remedies import called
 from hitab_core import ENTRY_POINT_GROUP, HitabError
 
 TEMPLATES = Path(__file__).parents[2] / "templates"

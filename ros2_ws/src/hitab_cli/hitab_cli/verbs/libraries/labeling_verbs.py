@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.cli_options import JsonPath
+from hitab_client.terminal.cli_options import JsonPath
 from hitab_core import named_domain, quantity
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import typer
 from hitab_cli.verbs.libraries.library_options import Agent, Library, Name, opened, write_new
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import SwarmError, console
-from hitab_client.cli_options import SwarmName
-from hitab_client.cli_remedies import as_command, called
+from hitab_client.terminal.cli_options import SwarmName
+from hitab_client.terminal.cli_remedies import as_command, called
 from hitab_core import Fix, LibraryError, each_once, has, named_domain, quantity
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from hitab_cli.verbs.libraries import labeling_verbs as labeling
 from hitab_cli.verbs.libraries import library_change_verbs as library_changes
 from hitab_cli.verbs.libraries.library_options import Agent, Library, Name, opened
 from hitab_client import console
-from hitab_client.cli_options import JsonPath, SwarmName
+from hitab_client.terminal.cli_options import JsonPath, SwarmName
 from hitab_core import Fix, LibraryError, Remedy, has, load_domain, quantity, some
 
 app = typer.Typer(help="Inspect and change libraries of trained behaviors.")

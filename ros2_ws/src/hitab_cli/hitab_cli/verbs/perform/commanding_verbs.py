@@ -10,8 +10,8 @@ from hitab_cli.verbs.operating import operates, say_done
 from hitab_cli.verbs.printing import plain, tell_faults
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
-from hitab_client.cli_options import AgentName, JsonPath, SwarmName
-from hitab_client.cli_remedies import called, with_commands
+from hitab_client.terminal.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.terminal.cli_remedies import called, with_commands
 from hitab_core import FeatureKind, Fix, HitabError, quantity
 from hitab_core.operations import Command, Distribute, Perform, RetimeExamples, Undo
 

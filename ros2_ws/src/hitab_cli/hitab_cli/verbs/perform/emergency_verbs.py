@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_client import SwarmError, console, user_name
-from hitab_client.cli_options import SwarmName
-from hitab_client.cli_remedies import as_command, called, with_commands
+from hitab_client.terminal.cli_options import SwarmName
+from hitab_client.terminal.cli_remedies import as_command, called, with_commands
 from hitab_core import Fix, has, some
 from hitab_ros.timing import ANSWER_S, FOUND_S
 
@@ -182,8 +182,8 @@ def _listed(who: dict[str, str]) -> str:
 def _everywhere() -> Iterator[list[Stops]]:
     """Yield the swarms in the user's ROS domain and in the domains of all swarms that are up."""
     from hitab_client import RosLink, Stops
-    from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.run_folder import running_swarms
+    from hitab_client.connecting.domain_ids import chosen_by_user
+    from hitab_client.runs.run_folder import running_swarms
 
     expected: dict[int, set[str]] = {chosen_by_user() or 0: set()}
     for _, record in running_swarms():
@@ -209,8 +209,8 @@ def _chosen_robots(swarm: str | None) -> Iterator[tuple[Stops, str, set[str]]]:
         SwarmError: if several are up and none is named, or the named swarm is not up.
     """
     from hitab_client import RosLink, Stops
-    from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.swarm_choice import find_meant, is_namespace, look_elsewhere
+    from hitab_client.connecting.domain_ids import chosen_by_user
+    from hitab_client.runs.swarm_choice import find_meant, is_namespace, look_elsewhere
 
     chosen = chosen_by_user()
     found = find_meant(swarm, chosen)

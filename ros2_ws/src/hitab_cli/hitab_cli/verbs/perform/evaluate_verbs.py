@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hitab_client import completion, console
-from hitab_client.cli_options import JsonPath
+from hitab_client.terminal.cli_options import JsonPath
 from hitab_core import quantity
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import typer
 
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, completion, console
-from hitab_client.cli_options import JsonPath, SwarmName
-from hitab_client.cli_remedies import with_commands
+from hitab_client.terminal.cli_options import JsonPath, SwarmName
+from hitab_client.terminal.cli_remedies import with_commands
 from hitab_core import Fix, Term, has, quantity
 from hitab_core.operations import Perform
 from hitab_ros.timing import DISCOVERY_S, PROMPT_S, SETTLE_S
@@ -76,7 +76,7 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
         by_hand = swarm_up.record is None
         view.await_groups(DISCOVERY_S if by_hand else SETTLE_S)
         return []
-    from hitab_client.run_processes import sentences
+    from hitab_client.runs.run_processes import sentences
 
     why = {name: swarm_up.processes.why_silent(name) for name in started}
     awaited = [name for name, silence in why.items() if silence is None or not silence.lasts]
@@ -94,7 +94,7 @@ def _branches(
         SwarmError: if there are no commanders, or not this one; names those that do not answer.
     """
     from hitab_client import tree_of
-    from hitab_client.identity import other_swarm
+    from hitab_client.connecting.identity import other_swarm
 
     tops = tree_of(view.groups)
     all_ = {branch.name: branch for top in tops for branch in top.commanders()}

@@ -11,7 +11,7 @@ import typer
 
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
-from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.terminal.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Term, shown_unit, shown_value
 from hitab_ros.timing import REFRESH_S
 

@@ -9,8 +9,8 @@ import typer
 
 from hitab_bringup.doctor import ERROR, Finding
 from hitab_client import console
-from hitab_client.cli_options import JsonPath
-from hitab_client.ros_environment import problems
+from hitab_client.connecting.ros_environment import problems
+from hitab_client.terminal.cli_options import JsonPath
 from hitab_core import HitabError, quantity
 
 STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from hitab_client import SwarmError, completion, console
-from hitab_client.cli_options import SwarmName
+from hitab_client.terminal.cli_options import SwarmName
 from hitab_core import Fix, has
 from hitab_ros.timing import POLL_S
 
@@ -76,8 +76,8 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
         SwarmError: if there is no run, or the choice is ambiguous.
     """
     from hitab_client import RunFolder
-    from hitab_client.run_folder import state_home
-    from hitab_client.swarm_choice import find_running, folder_called
+    from hitab_client.runs.run_folder import state_home
+    from hitab_client.runs.swarm_choice import find_running, folder_called
 
     if swarm is not None:
         folder = folder_called(swarm)
@@ -97,7 +97,7 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
 
 def _chosen(name: str, folder: RunFolder, record: RunRecord | None) -> list[LogFile]:
     from hitab_bringup import logs_of
-    from hitab_client.run_processes import RunProcesses
+    from hitab_client.runs.run_processes import RunProcesses
 
     files = logs_of(folder)
     if not name:

@@ -10,9 +10,9 @@ import typer
 
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import SwarmError, console
-from hitab_client.cli_options import SwarmName
-from hitab_client.cli_remedies import with_commands
-from hitab_client.interruptions import not_interrupted
+from hitab_client.terminal.cli_options import SwarmName
+from hitab_client.terminal.cli_remedies import with_commands
+from hitab_client.terminal.interruptions import not_interrupted
 from hitab_core import Fix, quantity
 from hitab_ros.timing import HEARTBEAT_S, SETTLE_S
 

@@ -11,13 +11,13 @@ import typer
 from hitab_cli.verbs.printing import plain
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, console
-from hitab_client.cli_options import JsonPath, SwarmName
-from hitab_client.cli_remedies import as_command
+from hitab_client.terminal.cli_options import JsonPath, SwarmName
+from hitab_client.terminal.cli_remedies import as_command
 from hitab_core import Fix, each_once, natural, quantity, some
 from hitab_ros.timing import SETTLE_S
 
 if TYPE_CHECKING:
-    from hitab_client.run_processes import Silence
+    from hitab_client.runs.run_processes import Silence
     from hitab_ros import SignsOfLife
 
 AGENT_FIELDS = (
@@ -100,7 +100,7 @@ def _watch(swarm_up: Connection) -> NoReturn:
 
 def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
     """Return the state of a swarm as plain data."""
-    from hitab_ros.conversions import remedies_of
+    from hitab_ros.messages.conversions import remedies_of
 
     agents = [
         {
@@ -132,7 +132,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
 
 def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Silence | None]:
     """Return why agents or the world do not answer, by name; None if unknown."""
-    from hitab_client.run_processes import Silence
+    from hitab_client.runs.run_processes import Silence
 
     agents, world, processes = swarm_up.agents, swarm_up.world, swarm_up.processes
     started = (*agents.expected, *(["world"] if swarm_up.has_world else []))
@@ -148,7 +148,7 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
 
 
 def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> list[Any]:
-    from hitab_client.run_processes import sentences
+    from hitab_client.runs.run_processes import sentences
 
     lines: list[Any] = []
     world = data["world"]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from hitab_client import completion, console
-from hitab_client.cli_options import SwarmName
-from hitab_client.cli_remedies import called, with_commands
+from hitab_client.terminal.cli_options import SwarmName
+from hitab_client.terminal.cli_remedies import called, with_commands
 from hitab_core import Fix, quantity
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ def up(
     """
     from hitab_bringup import bring_up, described_swarm
     from hitab_client import RunFolder
-    from hitab_client.run_folder import running_swarms
-    from hitab_client.swarm_choice import name_to_choose
+    from hitab_client.runs.run_folder import running_swarms
+    from hitab_client.runs.swarm_choice import name_to_choose
 
     description = described_swarm(
         swarm,
@@ -122,8 +122,8 @@ def down(
       hitab down --run-dir my_run
     """
     from hitab_client import RunFolder
-    from hitab_client.run_folder import registered_swarms
-    from hitab_client.swarm_choice import to_take_down
+    from hitab_client.runs.run_folder import registered_swarms
+    from hitab_client.runs.swarm_choice import to_take_down
 
     if every and (name or swarm or run_dir):
         raise typer.BadParameter(
@@ -147,8 +147,8 @@ def down(
 def _take_down(folder: RunFolder, record: RunRecord | None) -> None:
     from hitab_bringup import left_to_resume
     from hitab_bringup.processes import supervision
-    from hitab_client.run_folder import registry_held
-    from hitab_client.swarm_choice import name_to_choose
+    from hitab_client.runs.run_folder import registry_held
+    from hitab_client.runs.swarm_choice import name_to_choose
 
     name = name_to_choose(record) if record else folder.path.name
     try:

@@ -12,8 +12,8 @@ import typer
 
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, console
-from hitab_client.cli_options import SwarmName
-from hitab_client.cli_remedies import with_commands
+from hitab_client.terminal.cli_options import SwarmName
+from hitab_client.terminal.cli_remedies import with_commands
 from hitab_core import Fix, quantity
 from hitab_ros.timing import PROMPT_S
 

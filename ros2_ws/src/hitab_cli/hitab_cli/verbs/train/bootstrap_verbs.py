@@ -9,7 +9,7 @@ import typer
 
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import SwarmError, console
-from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.terminal.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import Fix, has
 
 if TYPE_CHECKING:
@@ -109,8 +109,8 @@ def list_(
       hitab bootstrap list keeper_1 Keepaway
     """
     from hitab_client.bootstrapping import generations_folder, read_generations
-    from hitab_client.domain_ids import chosen_by_user
-    from hitab_client.swarm_choice import find_meant
+    from hitab_client.connecting.domain_ids import chosen_by_user
+    from hitab_client.runs.swarm_choice import find_meant
 
     found = find_meant(swarm, chosen_by_user())
     folder = generations_folder(found[0].path if found else None, agent)

@@ -11,7 +11,7 @@ import typer
 
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, completion, console
-from hitab_client.cli_options import SwarmName
+from hitab_client.terminal.cli_options import SwarmName
 from hitab_core import Fix, HitabError, natural
 from hitab_ros.timing import AT_ONCE_S, PROMPT_S, REPEAT_S
 

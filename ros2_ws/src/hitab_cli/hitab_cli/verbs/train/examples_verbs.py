@@ -13,7 +13,7 @@ from hitab_cli.verbs.operating import operates, say_done
 from hitab_cli.verbs.printing import as_text
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import as_direction, console
-from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.terminal.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
 from hitab_core.codec import plain_values, to_dict
 from hitab_core.operations import (

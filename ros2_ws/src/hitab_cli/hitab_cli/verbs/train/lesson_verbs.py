@@ -10,9 +10,9 @@ import typer
 
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import LessonError, completion, console
-from hitab_client.cli_options import JsonPath, SwarmName
-from hitab_client.cli_remedies import with_commands
-from hitab_client.shipped import find_file, shipped_folders
+from hitab_client.runs.shipped import find_file, shipped_folders
+from hitab_client.terminal.cli_options import JsonPath, SwarmName
+from hitab_client.terminal.cli_remedies import with_commands
 from hitab_core import Fix, HitabError, Remedy, quantity
 
 if TYPE_CHECKING:

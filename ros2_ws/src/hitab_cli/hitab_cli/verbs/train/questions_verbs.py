@@ -11,8 +11,8 @@ from hitab_cli.verbs.operating import say_done
 from hitab_cli.verbs.printing import plain
 from hitab_cli.verbs.verb_connection import connection
 from hitab_client import console
-from hitab_client.cli_options import AgentName, JsonPath, SwarmName
-from hitab_client.cli_remedies import called, with_commands
+from hitab_client.terminal.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.terminal.cli_remedies import called, with_commands
 from hitab_core.operations import AnswerQuestion
 
 

@@ -11,10 +11,9 @@ from hitab_cli.verbs.operating import bound, operates, say_done
 from hitab_cli.verbs.printing import tell_faults
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
-from hitab_client.cli_options import AgentName, SwarmName
-from hitab_client.cli_remedies import called
+from hitab_client.terminal.cli_options import AgentName, SwarmName
+from hitab_client.terminal.cli_remedies import called
 from hitab_core import has, quantity
-from hitab_core.operation import Operation
 from hitab_core.operations import (
     BeginTraining,
     DiscardTraining,
@@ -25,6 +24,7 @@ from hitab_core.operations import (
     Test,
     Undo,
 )
+from hitab_core.training.operation import Operation
 
 UNASKED_MAX = 3
 """Number of commands that are discarded without confirmation, since they are quickly repeated."""

@@ -1,0 +1,1 @@
+"""Links: to the world, the robot and the commander."""

@@ -1,0 +1,105 @@
+"""The link of an agent to its commander: orders in, reports out."""
+
+from __future__ import annotations
+
+from hitab_msgs import msg
+
+from hitab_agent.node.agent_base import AgentBase
+from hitab_core.orders import Order, Report, Subordinate
+from hitab_ros import names
+
+
+class SuperiorLink:
+    """Obeys a commander's orders as they arrive, and reports to it.
+
+    Attributes:
+        subordinate: the agent as it obeys and reports.
+        orders: the topic of the commander's orders.
+    """
+
+    def __init__(self, node: AgentBase, subordinate: Subordinate) -> None:
+        """Start to obey.
+
+        Args:
+            node: the agent's node.
+            subordinate: the agent as it obeys and reports.
+        """
+        self.subordinate = subordinate
+        self.commander = node.settings.commander
+        self._ordered = node.ordered
+        self._outbox = node.shared.outbox
+        self._topic = names.in_swarm(node, self.commander, names.REPORTS)
+        self.orders = names.in_swarm(node, self.commander, names.ORDER)
+        self._seconds = 0.0
+        self._outbox.open(self._topic)
+        node.shared.orders.listen(node, self.orders, self._on_order)
+
+    def _on_order(self, order: Order) -> None:
+        with self._outbox.held():
+            subordinate = self.subordinate
+            if subordinate.take(order):
+                self._ordered()
+                self.tell()
+            elif not (order.round or subordinate.round):  # repeated, since reports were lost
+                self._send(subordinate.report())
+
+    def settle(self) -> None:
+        """Obey a waiting order, if the demonstrator is done, and report what has changed."""
+        if self.subordinate.settle():
+            self._ordered()
+        self.tell()
+
+    def obey_again(self) -> None:
+        """Mark the last order as waiting, so that `settle` obeys it again."""
+        subordinate = self.subordinate
+        subordinate.waits = subordinate.ordered is not None
+
+    def perceived(self, percept: msg.Percept, seconds: float, *, changed: bool = True) -> None:
+        """Report the changes made by a percept and the tick after it.
+
+        Args:
+            percept: the percept.
+            seconds: the agent's own time, s.
+            changed: whether its activity may have changed since the previous percept.
+        """
+        subordinate = self.subordinate
+        changed |= subordinate.rounds_end() | self._keep_time(percept, seconds)
+        if subordinate.refusal and subordinate.settle():
+            self._ordered()  # the order may have been refused only for lack of a percept
+            changed = True
+        if percept.look:
+            # A person who arranges a paused world expects the commander to perceive the change.
+            self._send(subordinate.report())
+        elif changed or subordinate.is_asked:
+            self.tell()
+
+    def round_begins(self, percept: msg.Percept, seconds: float) -> None:
+        """Report the percept of a lockstep round, before the agent acts on it."""
+        subordinate = self.subordinate
+        self._keep_time(percept, seconds)
+        if subordinate.refusal and subordinate.settle():
+            self._ordered()
+        self._send(
+            subordinate.round_begins(percept.sequence, look=percept.look, restart=percept.restart)
+        )
+
+    def _keep_time(self, percept: msg.Percept, seconds: float) -> bool:
+        """Adopt a percept's time; return whether an episode has begun."""
+        subordinate = self.subordinate
+        episode = (percept.episode, percept.seed)
+        changed = (subordinate.episode, subordinate.seed) != episode
+        subordinate.episode, subordinate.seed = episode
+        subordinate.seconds = self._seconds = seconds
+        return changed
+
+    def tell(self) -> None:
+        """Report changes, if there are any."""
+        self._send(self.subordinate.news(self._seconds))
+
+    def heartbeat(self) -> None:
+        """Report percepts that changed nothing, if no report was sent for a while."""
+        self._send(self.subordinate.heartbeat())
+
+    def _send(self, report: Report | None) -> None:
+        if report is not None:
+            self._outbox.send(self._topic, report)

@@ -1,0 +1,48 @@
+"""The link of an agent without its own robot to a world: percepts in, actions out."""
+
+from __future__ import annotations
+
+from hitab_msgs import msg
+
+from hitab_agent.links.round_gate import RoundGate
+from hitab_agent.node.agent_base import AgentBase
+from hitab_ros import names, qos
+
+
+class WorldLink:
+    """Answers each percept of the world with the agent's action, as fast as it can.
+
+    In lockstep, the answer waits until the agent's commander, if it has one, has given its order
+    for the round. For the link to a robot see `hitab_agent.links.robot_link`.
+    """
+
+    def __init__(self, node: AgentBase, world: str) -> None:
+        """Subscribe to percepts.
+
+        Args:
+            node: the agent's node.
+            world: name of the world.
+        """
+        self._node = node
+        self._gate = RoundGate(node.shared.orders)
+        # One message is reused for all answers: publishing copies it.
+        self._action = msg.Action(agent=node.agent_name)
+        # Discovery announces the two in this order, and the world looks for those that answer.
+        node.create_subscription(msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE)
+        self._actions = node.create_publisher(
+            msg.Action, names.in_swarm(node, world, names.ACTIONS), qos.CYCLE
+        )
+
+    def _on_percept(self, percept: msg.Percept) -> None:
+        self._node.take_in(percept)
+        awaited = self._node.awaited_orders() if percept.lockstep else ()
+        self._gate.begin(percept.sequence, awaited, lambda: self._act(percept), look=percept.look)
+
+    def _act(self, percept: msg.Percept) -> None:
+        action = self._action
+        action.values, action.say = self._node.answer(percept)
+        action.sequence = percept.sequence
+        self._actions.publish(action)
+
+    def close(self) -> None:
+        """Do nothing: the world notices that an agent is gone."""

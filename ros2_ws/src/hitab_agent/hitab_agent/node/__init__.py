@@ -1,0 +1,1 @@
+"""The node, its parameters and its diagnosis."""

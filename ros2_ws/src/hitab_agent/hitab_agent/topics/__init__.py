@@ -1,0 +1,1 @@
+"""Topics of an agent, and the distribution of behaviors."""

@@ -1,0 +1,5 @@
+"""Connecting to ROS: the node, the DDS profile and the domain."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,1 @@
+"""What is shown of a swarm: presence, groups and the world."""

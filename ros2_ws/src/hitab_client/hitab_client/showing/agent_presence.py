@@ -1,0 +1,253 @@
+"""Presence of agents: waits for agents, and reports why an agent does not answer."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Sequence
+
+from hitab_msgs.msg import AgentStatus
+
+from hitab_client.connecting.identity import is_own, other_swarm
+from hitab_client.connecting.ros_link import RosLink
+from hitab_client.errors import SwarmError
+from hitab_client.runs.run_processes import RunProcesses
+from hitab_core import Fix, has, some
+from hitab_ros import SignsOfLife, check_same_message_version, names, qos
+from hitab_ros.call import blocking
+from hitab_ros.timing import DISCOVERY_EACH_S, DISCOVERY_S, LOOK_EACH_S, POLL_S, SETTLE_S
+
+WATCHED_MAX = 100
+"""Maximum number of agents that are all watched; in a larger swarm, only the requested ones."""
+
+
+def is_older(status: AgentStatus, known: AgentStatus) -> bool:
+    """Return whether a status is older than a known one, as it may be beside an answer."""
+    return status.process == known.process and status.sequence < known.sequence
+
+
+class AgentPresence:
+    """The agents of a swarm that have reported.
+
+    Args:
+        link: the node to use.
+        expected: names of the expected agents, if known.
+        prefix: namespace of the swarm.
+        identity: the swarm's identity; empty for any swarm.
+        processes: the swarm's processes, which show why an agent does not answer.
+
+    Attributes:
+        expected: names of the expected agents.
+        statuses: the last status of each agent of the swarm, by name.
+        unheard: the expected agents that have not reported, in order.
+        strangers: the swarm of each agent that belongs to another swarm, by name.
+    """
+
+    def __init__(
+        self,
+        link: RosLink,
+        expected: Iterable[str] = (),
+        *,
+        prefix: str = "",
+        identity: str = "",
+        processes: RunProcesses | None = None,
+    ) -> None:
+        self.link = link
+        self.prefix = prefix
+        self.expected = dict.fromkeys(expected)
+        self.unheard = self.expected.copy()
+        self.identity = identity
+        self.processes = processes or RunProcesses()
+        self.statuses: dict[str, AgentStatus] = {}
+        self.strangers: dict[str, str] = {}
+        self._watched: set[str] = set()
+        self._begin_waiting()
+        if len(self.expected) <= WATCHED_MAX:
+            self.watch_all()
+
+    def watch_all(self) -> None:
+        """Watch all expected agents, however many."""
+        for agent in self.expected:
+            self._watch(agent)
+
+    def _watch(self, agent: str) -> None:
+        if agent not in self._watched:
+            self._watched.add(agent)
+            self.link.subscribe(
+                AgentStatus,
+                names.of_agent(agent, names.STATUS, self.prefix),
+                lambda status: self._take_status(agent, status),
+                qos.LATCHED,
+            )
+
+    def _take_status(self, agent: str, status: AgentStatus) -> None:
+        if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
+            if agent not in self.statuses:
+                self._newest_at = time.monotonic()
+                self.unheard.pop(agent, None)
+            known = self.statuses.get(agent)
+            if known is None or not is_older(status, known):
+                self.statuses[agent] = status
+            self.strangers.pop(agent, None)
+        else:
+            self.strangers[agent] = status.swarm
+            self.statuses.pop(agent, None)
+
+    def signs_of_life(self, *, has_world: bool = False) -> SignsOfLife:
+        """Listen for signs of life of the swarm's processes from now on.
+
+        Args:
+            has_world: whether the swarm has started a world.
+        """
+        started = {*self.expected, *([names.WORLD] if has_world else [])}
+        return SignsOfLife(
+            self.link.node,
+            self.prefix,
+            lambda name, owner: is_own(owner, self.identity, started_by_it=name in started),
+        )
+
+    def refuse_strangers(self, agents: Iterable[str]) -> None:
+        """Check that none of these agents is known to belong to another swarm.
+
+        Raises:
+            SwarmError: if one does; names both swarms.
+        """
+        for agent in agents:
+            if agent in self.strangers:
+                raise other_swarm(agent, self.strangers[agent], self.identity)
+
+    def discover(self) -> None:
+        """Look for new agents."""
+        for topic in self.link.topics_of_type(names.STATUS_TYPE):
+            agent = names.agent_of_status(topic, self.prefix)
+            if agent is not None:
+                self._watch(agent)
+
+    def agents(self) -> list[str]:
+        """Return the names of the agents that have reported so far."""
+        return sorted(self.statuses)
+
+    def mates_of(self, agent: str) -> list[str]:
+        """Return the names of the other agents of an agent's domain that have reported so far."""
+        domain = self.statuses[agent].domain
+        return [a for a in self.agents() if a != agent and self.statuses[a].domain == domain]
+
+    @blocking
+    async def await_agents(
+        self, agents: Sequence[str] = (), seconds: float = DISCOVERY_S
+    ) -> list[str]:
+        """Wait for these agents, by default for the expected ones; return the agents that are up.
+
+        Agents whose processes have ended are not waited for. Without expected agents, wait until
+        no new agent has appeared for a while.
+
+        Raises:
+            SwarmError: if one of them belongs to another swarm.
+        """
+        wanted = set(agents or self.expected)
+        for agent in wanted:
+            self._watch(agent)
+        few = bool(agents) and self._is_large
+        self._begin_waiting()
+        lost: set[str] = set()
+
+        def complete() -> bool:
+            if self._is_due():
+                lost.clear()
+                lost.update(filter(self.processes.is_lost, wanted))
+                if not few:
+                    self.discover()
+            if wanted:
+                if self.strangers:
+                    self.refuse_strangers(wanted)
+                return wanted <= self.statuses.keys() | lost
+            return bool(self.statuses) and self._is_settled
+
+        await self.link.until(
+            complete,
+            seconds + self.more_seconds,
+            waiting_for=lambda: some(sorted(self._awaited(wanted))) or "agents to appear",
+        )
+        check_same_message_version(self.link.node)
+        return self.agents()
+
+    @blocking
+    async def await_agent(self, agent: str, seconds: float = DISCOVERY_S) -> AgentStatus:
+        """Wait for an agent and return its status.
+
+        Raises:
+            SwarmError: if the agent does not answer (with the reason, if known), does not exist
+                (with the existing agents), or belongs to another swarm.
+        """
+        self.refuse_strangers((agent,))
+        if agent not in self.statuses:
+            self._watch(agent)
+            if agent in self.expected:
+                await self.await_agents.coroutine((agent,), seconds)
+            else:
+                await self._await_unexpected(agent, seconds)
+            self.refuse_strangers((agent,))
+        if agent not in self.statuses:
+            raise self._absence(agent, seconds)
+        return self.statuses[agent]
+
+    async def _await_unexpected(self, agent: str, seconds: float) -> None:
+        """Wait for an agent that may have been started by hand, as long as it shows any sign."""
+        topic = names.of_agent(agent, names.STATUS, self.prefix)
+        self._begin_waiting()
+
+        def decided() -> bool:
+            if self._is_due() and not self._is_large:
+                self.discover()
+            if agent in self.statuses or agent in self.strangers:
+                return True
+            if self.link.node.count_publishers(topic) or not self._is_settled:
+                return False
+            return self._is_large or (bool(self.statuses) and not self._awaited(self.expected))
+
+        await self.link.until(decided, seconds, waiting_for=lambda: agent)
+        check_same_message_version(self.link.node)
+
+    @property
+    def more_seconds(self) -> float:
+        """Additional time to wait for a node of the swarm, s."""
+        return DISCOVERY_EACH_S * len(self.expected)
+
+    @property
+    def _is_large(self) -> bool:
+        return len(self.expected) > WATCHED_MAX
+
+    def _awaited(self, agents: Iterable[str]) -> set[str]:
+        """Return the agents, of these, that have not reported and still may."""
+        missing = set(agents) - self.statuses.keys()
+        return {agent for agent in missing if not self.processes.is_lost(agent)}
+
+    def _begin_waiting(self) -> None:
+        self._looks_at, self._newest_at = -math.inf, time.monotonic()
+
+    def _is_due(self) -> bool:
+        """Whether topics and processes are due for another check."""
+        now = time.monotonic()
+        if now < self._looks_at:
+            return False
+        self._looks_at = now + POLL_S + LOOK_EACH_S * len(self.expected)
+        return True
+
+    @property
+    def _is_settled(self) -> bool:
+        """Whether no new agent has reported for a while."""
+        return time.monotonic() > self._newest_at + SETTLE_S
+
+    def _absence(self, agent: str, waited: float) -> SwarmError:
+        """Return the error for an agent that did not answer for some seconds."""
+        if agent in self.expected or agent in self.statuses:
+            if (reason := self.processes.reason(agent)) is not None:
+                return reason
+            pid = self.processes.pid(agent)
+            running = f"; its process ({pid}) still runs" if pid else ""
+            silent = f"{agent} has been silent for {round(waited, 1):g} s"
+            return SwarmError(f"{silent}{running}", Fix.LOGS(node=agent))
+        known = {*self.statuses, *self.expected}
+        if not known:
+            return SwarmError(f'no agent "{agent}" answers, and no other does', Fix.UP())
+        return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Fix.STATUS())

@@ -1,0 +1,1 @@
+"""Kinds of commanders, and their files."""

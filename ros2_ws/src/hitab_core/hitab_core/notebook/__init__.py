@@ -1,0 +1,1 @@
+"""Training from a notebook or a script."""

@@ -1,0 +1,1 @@
+"""Texts for people: errors, remedies and wording."""

@@ -1,0 +1,1 @@
+from . import emergency_stop as emergency_stop

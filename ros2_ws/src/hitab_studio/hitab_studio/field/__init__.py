@@ -1,0 +1,1 @@
+"""The field as pages draw it."""

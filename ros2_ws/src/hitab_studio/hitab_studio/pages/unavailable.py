@@ -1,0 +1,72 @@
+"""Reasons for which buttons of the page are unavailable; "" if available."""
+
+from __future__ import annotations
+
+from jinja2.utils import markupsafe
+
+from hitab_client import SwarmError, Training
+from hitab_core import START
+from hitab_studio.pages.page import CHOOSE_FIRST, Page
+
+
+def off(reason: str) -> markupsafe.Markup:
+    """Return the attributes of an unavailable button, which shows the reason when pressed.
+
+    Unlike a disabled button, an unavailable one can be reached with the keyboard. Place the
+    attributes before ``title``.
+    """
+    if not reason:
+        return markupsafe.Markup()
+    return markupsafe.Markup('aria-disabled="true" title="{0}" data-off="{0}"').format(reason)
+
+
+def world(page: Page) -> str:
+    """Return the reason for which the world cannot be controlled."""
+    return page.world_off or ("" if page.studio.known.world else "No world is up.")
+
+
+def training(page: Page) -> str:
+    """Return the reason for which keys of a training are unavailable."""
+    if (why := page.agent_off) or page.is_training or page.training is not None:
+        return why
+    return nothing_in_training(page)
+
+
+def undoing(page: Page) -> str:
+    """Return the reason for which nothing can be undone."""
+    done = page.training.done if page.training is not None else ()
+    return training(page) or ("" if done else "There is nothing to undo.")
+
+
+def redoing(page: Page) -> str:
+    """Return the reason for which nothing can be redone."""
+    undone = page.training.undone if page.training is not None else ()
+    return training(page) or ("" if undone else "There is nothing to redo.")
+
+
+def testing(page: Page) -> str:
+    """Return the reason for which the trained behavior cannot be tested or saved."""
+    learned = page.training
+    if learned is not None and not any(e.state == START for e in learned.examples):
+        return "Nothing is learned yet: command the first behavior."
+    return training(page)
+
+
+def training_of(page: Page) -> Training:
+    """Return the training of the page's agent.
+
+    Raises:
+        SwarmError: if there is none.
+    """
+    if page.training is None:
+        raise SwarmError(nothing_in_training(page))
+    return page.training
+
+
+def nothing_in_training(page: Page) -> str:
+    """Return the error of a request that needs a training, while there is none."""
+    if not page.agent:
+        return CHOOSE_FIRST
+    if page.is_training:  # its status arrives before its training
+        return f"The training of {page.agent} is not known yet: try again in a moment."
+    return f"{page.agent} is not being trained: press Train… above the field."

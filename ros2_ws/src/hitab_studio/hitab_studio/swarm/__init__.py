@@ -1,0 +1,1 @@
+"""The swarm as the studio knows it."""

@@ -1,0 +1,1 @@
+from . import ros_parameters as ros_parameters
