@@ -121,7 +121,7 @@ async def perform(page: Page, data: Data) -> None:
     page.touch()
 
 
-class PagePanel(Element, component="static/panel.js"):
+class PagePanel(Element, component="../static/panel.js"):
     """A part of the page with HTML rendered by the server."""
 
     def __init__(self, name: str) -> None:
