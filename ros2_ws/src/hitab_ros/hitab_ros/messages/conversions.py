@@ -84,10 +84,7 @@ def values_message(values: Iterable[tuple[str, float | None]]) -> list[msg.Value
 
 
 def request_of(operation: Operation) -> Any:
-    """Return the request for an operation, of the service type with its name.
-
-    `hitab_core.codec.from_dict` reads it.
-    """
+    """Return the request for an operation, of the service type with its name."""
     return message_of(getattr(srv, type(operation).__name__).Request, operation)
 
 
