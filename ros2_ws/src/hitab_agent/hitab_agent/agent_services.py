@@ -44,7 +44,7 @@ class CommandTopic:
 
 
 class AgentServices:
-    """Offers an agent's services; a refusal is a reply with ``success`` false and the reason."""
+    """Offers an agent's operations; a refusal is a reply with ``success`` false and the reason."""
 
     def __init__(self, node: AgentBase) -> None:
         """Offer the services of an agent's node."""
