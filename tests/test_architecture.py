@@ -71,8 +71,6 @@ BUDGET = {
 TIMES_MAX = 60
 """Maximum number of times that modules define: share those of `hitab_ros/timing.py`."""
 
-"""Times that have no reason yet."""
-
 TIME_WORDS = {"S", "MS", "NS", "HZ", "SECONDS", "MINUTES", "HOURS", "PERIOD", "TIMEOUT"}
 SAYS_A_TIME = re.compile(r"(?<![\w'/])(s|ms|Hz|seconds|minutes)(?![\w'])")
 

@@ -1,10 +1,11 @@
 """Every command and option that an error, a help text or a page names is there."""
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
 import typer
-from mentions import Mention, mentions
+from mentions import ROOT, Mention, mentions
 
 from hitab_cli.main import make_app
 
@@ -98,3 +99,21 @@ def test_every_command_that_talks_to_a_swarm_can_be_told_which():
         if talking & {*code.co_names, *code.co_consts} and "--swarm" not in options_of(command):
             wrong.append(path)
     assert wrong == []
+
+
+def test_every_module_that_a_page_names_is_there():
+    there = [f"/{path.relative_to(ROOT)}" for path in (ROOT / "ros2_ws/src").rglob("*.*")]
+    gone = {
+        f"{page.name}: {name}"
+        for page in (ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md"))
+        for name in re.findall(r"`((?:hitab|keepaway)_\w+/[\w/]+\.\w+)`", page.read_text())
+        if not any(path.endswith(f"/{name}") for path in there)
+    }
+    assert gone == set()
+
+
+def test_a_command_and_a_percept_pass_twenty_files_at_most():
+    design = (ROOT / "docs/design.md").read_text()
+    for way in ("command", "percept"):
+        section = design.partition(f"## The way of a {way}\n")[2].partition("\n## ")[0]
+        assert 0 < len(re.findall(r"^\d+\. `\w+/", section, re.MULTILINE)) <= 20

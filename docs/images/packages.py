@@ -21,7 +21,7 @@ sys.path.insert(0, str(HERE.parents[1] / "tests"))
 from test_architecture import FLOORS, PACKAGES, imports, modules  # noqa: E402
 
 WORDS = {
-    "hitab_core": "engine, no ROS:\nlearning · running · training\nlibrary · drawing · orders",
+    "hitab_core": "engine, no ROS: learning,\nrunning, training, library",
     "hitab_ros": "guarded nodes, names, QoS",
     "hitab_agent": "node of an agent,\nhost of many",
     "hitab_client": "what programs talk\nto a swarm with; lessons",

@@ -17,7 +17,7 @@ from hitab_ros.timing import LOOK_EACH_S, POLL_S
 
 
 class EndpointsOnDemand:
-    """Makes the nodes of a process offer services and topics when somebody asks for them."""
+    """Creates services and topics of a process's nodes for the first that asks for them."""
 
     def __init__(self, host: GuardedNode, scheduler: Scheduler, agents: int) -> None:
         """Begin to look for the other ends.
@@ -25,7 +25,7 @@ class EndpointsOnDemand:
         Args:
             host: the node whose view of the ROS graph is used.
             scheduler: the process's scheduler.
-            agents: how many nodes there will be.
+            agents: number of the process's agents.
         """
         self._host = host
         self._services: dict[str, Callable[[], object]] = {}

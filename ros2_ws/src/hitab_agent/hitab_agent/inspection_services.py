@@ -1,4 +1,4 @@
-"""The read-only services of an agent, which show its behaviors and its percepts."""
+"""The read-only services of an agent: its percepts, words, behaviors and costs of training."""
 
 from __future__ import annotations
 
@@ -10,15 +10,25 @@ from hitab_agent.node.guarded_tick import failing
 from hitab_agent.topics.automaton_message import automaton_message, training_message
 from hitab_core import (
     FLAGS,
+    OWN_FEATURES,
     Agent,
     BasicBehavior,
+    Fix,
     Term,
     TrainingError,
+    has,
+    quantity,
 )
+from hitab_core.assistant import training_costs
 from hitab_core.library import difference
 from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
-from hitab_ros.messages.conversions import message_of, pairs_of
+from hitab_ros.messages.conversions import (
+    feature_message,
+    message_of,
+    number_messages,
+    pairs_of,
+)
 
 Origin: Any = srv.GetBehavior.Response
 
@@ -28,6 +38,8 @@ class InspectionServices:
 
     def __init__(self, node: GuardedNode, agent: Agent) -> None:
         self._agent = agent
+        node.create_service(srv.GetReport, names.GET_REPORT, self._get_report)
+        node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
         node.create_service(srv.GetBehavior, names.GET_BEHAVIOR, self._get_behavior)
         node.create_service(srv.ReadFeatures, names.READ_FEATURES, self._read_features)
 
@@ -47,7 +59,34 @@ class InspectionServices:
         answer.success = True
         return answer
 
-    # -- vocabulary -------------------------------------------------------------------------
+    # -- vocabulary and behaviors -----------------------------------------------------------
+
+    def _get_vocabulary(
+        self, request: srv.GetVocabulary.Request, answer: srv.GetVocabulary.Response
+    ) -> srv.GetVocabulary.Response:
+        agent = self._agent
+        domain, repertoire = agent.domain, agent.repertoire
+        behaviors = [repertoire.get(name) for name in repertoire.names()]
+        features = sorted(domain.features.values(), key=lambda feature: feature.name)
+        answer.domain = domain.name
+        answer.signature = domain.signature
+        answer.behaviors = [
+            msg.Behavior(
+                name=str(Term(b.name, b.parameters)),
+                description="; ".join([b.description, *map(str, domain.numbers_of(Term(b.name)))]),
+                trained=b.name in agent.loaded.files,
+                one_shot=isinstance(b, BasicBehavior) and b.one_shot,
+                numbers=number_messages(domain.numbers_of(Term(b.name))),
+            )
+            for b in behaviors
+        ]
+        words = [(Term(f.name, f.parameters), f) for f in features]
+        words += [
+            (term, domain.feature(term.name)) for term in OWN_FEATURES if term.name not in FLAGS
+        ]
+        answer.features = [feature_message(term, feature) for term, feature in words]
+        answer.targets = sorted(domain.targets)
+        return answer
 
     def _get_behavior(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
@@ -107,6 +146,31 @@ class InspectionServices:
         if request.compare_with:
             before = library.on_disk.version(name, request.compare_with)
             answer.difference = difference(before, file, self._agent.domain)
+
+    # -- cost -------------------------------------------------------------------------------
+
+    def _get_report(
+        self, request: srv.GetReport.Request, answer: srv.GetReport.Response
+    ) -> srv.GetReport.Response:
+        agent = self._agent
+        name = request.automaton or agent.training
+        if not name:
+            raise TrainingError("it is not training anything", Fix.EXAMPLES_OF(agent=agent.name))
+        known = training_costs(agent.journal)
+        costs = [cost for cost in known if cost.automaton == name]
+        if not costs and name == agent.training:
+            raise TrainingError(
+                f'nothing was done yet in the training of "{name}"',
+                Fix.DEMONSTRATE(agent=agent.name),
+            )
+        if not costs:
+            raise TrainingError(
+                f'{agent.name} has no record of a training of "{name}" '
+                f"{has([cost.automaton for cost in known], name)}; ask the agent that was trained"
+            )
+        answer.costs = [message_of(msg.TrainingCost, cost) for cost in costs]
+        answer.success, answer.message = True, quantity(len(costs), "training")
+        return answer
 
 
 def _origin(provenance: Any) -> str:

@@ -19,7 +19,7 @@ from hitab_core.operations import (
 )
 from hitab_core.training.operation import Operation
 from hitab_studio.actions import REGISTERED_ACTIONS
-from hitab_studio.actions.operation_actions import meant
+from hitab_studio.actions.operation_actions import operation_of
 from hitab_studio.pages.page_view import perform
 from hitab_studio.studio import Studio
 from hitab_studio.swarm.swarm_finder import SwarmTarget
@@ -88,7 +88,7 @@ def test_an_operation_has_the_identity_of_its_request_which_may_come_again():
 def test_inputs_of_targets_are_pairs_and_those_left_empty_are_none():
     page: Any = SimpleNamespace(table=SimpleNamespace(marked=set()))
     values = {"automaton": " Near ", "bindings:ball": "A", "bindings:goal": " "}
-    saved = meant(SaveBehavior, page, {"values": {**values, "keep_unused": "on"}})
+    saved = operation_of(SaveBehavior, page, {"values": {**values, "keep_unused": "on"}})
     assert saved == SaveBehavior("Near", {"ball": "A"}, keep_unused=True)
 
 

@@ -45,7 +45,7 @@ def say_done(swarm_up: Connection, agent: str, operation: Operation) -> Any:
 
 
 def operates(kind: type[Operation], *examples: str) -> Callable[[Callable[..., Any]], Any]:
-    """Return a decorator that makes a verb of a function, which has an operation carried out.
+    """Return a decorator that makes a verb of a function that has an operation carried out.
 
     The function is called with the connection, the agent's name and the operation, and with its
     own further parameters, which follow those of the operation.
@@ -100,7 +100,7 @@ def bound(parameters: list[str]) -> dict[str, str]:
     """Return what replaces each name in texts such as ``A=ball``.
 
     Raises:
-        BadParameter: if a text is none.
+        BadParameter: if a text has another form.
     """
     replaced = {}
     for text in parameters:

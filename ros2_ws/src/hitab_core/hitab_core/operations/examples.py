@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from hitab_core.operations.subjects import training_of
 from hitab_core.term import Term
+from hitab_core.texts.errors import TrainingError
+from hitab_core.texts.remedies import Fix
 from hitab_core.texts.wording import quantity
 from hitab_core.training.operation import Operation, Outcome
 
@@ -133,11 +134,25 @@ class AnswerQuestion(Operation):
         session.answer(self.number, self.choice, dismiss=self.dismiss)
         if self.dismiss:
             return Outcome(f"question {self.number} is not asked again")
-        done = session.log.history.done[-1] if session.log.history.done else "nothing"
-        return Outcome(f"question {self.number}: {done}")
+        return Outcome(f"question {self.number}: {_last_edit(session)}")
+
+
+def training_of(agent: Agent) -> TrainingSession:
+    """Return an agent's training under way.
+
+    Raises:
+        TrainingError: if there is none.
+    """
+    if agent.session is None:
+        ways = Fix.RESUME(agent=agent.name), Fix.TRAIN(agent=agent.name)
+        raise TrainingError("it is not training anything", *ways)
+    return agent.session
 
 
 def _edited(session: TrainingSession, done: str = "") -> Outcome:
-    done = done or (session.log.history.done or ["nothing"])[-1]
     count = quantity(len(session.log), "example")
-    return Outcome(f'{done}; "{session.curriculum.name}" has {count}')
+    return Outcome(f'{done or _last_edit(session)}; "{session.curriculum.name}" has {count}')
+
+
+def _last_edit(session: TrainingSession) -> str:
+    return (session.log.history.done or ["nothing"])[-1]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from hitab_core.library.expectation import broken_expectations
-from hitab_core.operations.subjects import term_of, training_of
+from hitab_core.operations.examples import training_of
 from hitab_core.running.mode import Mode
 from hitab_core.term import Term
 from hitab_core.texts.errors import TrainingError
@@ -95,7 +95,7 @@ class Command(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Perform the behavior, and record its examples."""
-        term = term_of(self.behavior, self.targets)
+        term = Term.parse(self.behavior, self.targets)
         if agent.stopped and not agent.repertoire.stands_still(term):
             # The example would record something that the robot did not do.
             raise TrainingError(agent.stopped, Fix.ARM(robot=agent.name))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_core import Example, Term, with_numbers
 from hitab_core.operations import RelabelExamples
-from hitab_studio.actions.operation_actions import carry_out, meant
+from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import go_there
 from hitab_studio.pages.page import Page
@@ -67,8 +67,8 @@ async def renumber(page: Page, data: Data) -> None:
     name = str(data["name"])
     given[name] = number_from({name: data["value"]}, name)
     changed = str(with_numbers(state, [given[n.name] for n in numbers], numbers))
-    numbered = [example.number]
-    await carry_out(page, meant(RelabelExamples, page, data, numbers=numbered, next_state=changed))
+    edit = operation_of(RelabelExamples, page, data, numbers=[example.number], next_state=changed)
+    await carry_out(page, edit)
 
 
 @action("situation")

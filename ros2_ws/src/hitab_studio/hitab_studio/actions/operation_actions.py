@@ -26,7 +26,7 @@ FROM_REQUEST: Mapping[str, Callable[[Any], Any]] = {
 """Converters of a request's values, by the type of the field."""
 
 
-def meant(kind: type[Op], page: Page, data: Data, **known: Any) -> Op:
+def operation_of(kind: type[Op], page: Page, data: Data, **known: Any) -> Op:
     """Return the operation that a request of a page asks for.
 
     Keys of the request and inputs of its form have the names of fields; that of a single control
@@ -56,7 +56,7 @@ def meant(kind: type[Op], page: Page, data: Data, **known: Any) -> Op:
 
 
 async def carry_out(page: Page, operation: Operation) -> None:
-    """Have the agent carry out an operation, and tell the outcome."""
+    """Have the agent carry out an operation, and show the outcome on the page."""
     answer = await page.do(operation)
     page.close_dialog()
     page.table.marked -= {*getattr(operation, "numbers", ())}
@@ -72,7 +72,7 @@ def register_operations() -> None:
 
 def _of(kind: type[Operation]) -> Callable[[Page, Data], Any]:
     async def do(page: Page, data: Data) -> None:
-        await carry_out(page, meant(kind, page, data))
+        await carry_out(page, operation_of(kind, page, data))
 
     return do
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from hitab_client import SwarmError
 from hitab_core.operations import Distribute, SaveBehavior
 from hitab_ros.messages.conversions import pairs_message
-from hitab_studio.actions.operation_actions import carry_out, meant
+from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.pages.page import Page
 from hitab_studio.pages.ui_remedies import error_text
@@ -24,7 +24,7 @@ async def save_dialog(page: Page, data: Data) -> None:
 @action("save-preview", repeats=True)
 async def save_preview(page: Page, data: Data) -> None:
     """Update the preview for other options."""
-    save = meant(SaveBehavior, page, data)
+    save = operation_of(SaveBehavior, page, data)
     bindings = pairs_message(save.bindings.items())
     try:
         preview = await page.ask_agent(
@@ -41,7 +41,7 @@ async def save_preview(page: Page, data: Data) -> None:
 @action("save_behavior")
 async def save(page: Page, data: Data) -> None:
     """Save the trained behavior, and show it in the library."""
-    operation = meant(SaveBehavior, page, data)
+    operation = operation_of(SaveBehavior, page, data)
     name = operation.automaton or training_of(page).name
     await carry_out(page, operation)
     page.tab, page.behavior = "library", name
@@ -74,7 +74,7 @@ async def versions(page: Page, data: Data) -> None:
 async def distribute(page: Page, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
     by, behavior = page.demonstrator, page.dialog["name"]
-    sent = replace(meant(Distribute, page, data, behavior=behavior), by=by)
+    sent = replace(operation_of(Distribute, page, data, behavior=behavior), by=by)
     if not sent.receivers:
         raise SwarmError("Choose at least one receiver.")
     report = await page.ask_agent(

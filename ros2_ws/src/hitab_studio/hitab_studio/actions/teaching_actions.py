@@ -9,7 +9,7 @@ from hitab_core import Term, with_numbers
 from hitab_core.operations import BeginTraining, DiscardTraining
 from hitab_ros.call import RequestRefused
 from hitab_ros.timing import ANSWER_S, PROMPT_S
-from hitab_studio.actions.operation_actions import carry_out, meant
+from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.world_actions import paused
 from hitab_studio.pages.page import CHOOSE_FIRST, Page
@@ -139,8 +139,8 @@ async def give_target(page: Page, target: str) -> None:
     missing.targets = (*missing.targets, target)
     if len(missing.targets) == len(missing.parameters):
         page.missing_targets = None
-        meant = str(Term(missing.behavior, missing.targets))
-        await command(page, {"behavior": meant, "seen": missing.seen})
+        term = Term(missing.behavior, missing.targets)
+        await command(page, {"behavior": str(term), "seen": missing.seen})
 
 
 @action("target")
@@ -193,7 +193,7 @@ async def begin(page: Page, data: Data) -> None:
     values = data["values"]
     parameter = str(values.get("parameter", "")).strip()
     bound = {parameter: str(values.get("target", ""))} if parameter else {}
-    operation = meant(BeginTraining, page, data, parameters=bound)
+    operation = operation_of(BeginTraining, page, data, parameters=bound)
     name = operation.automaton
     if not name:
         raise SwarmError("Give the behavior a name.")
@@ -222,5 +222,5 @@ async def discard(page: Page, data: Data) -> None:
     if status.training.examples and not data.get("sure"):
         page.open_dialog("discard", name=status.behavior, examples=status.training.examples)
         return
-    await carry_out(page, meant(DiscardTraining, page, data))
+    await carry_out(page, operation_of(DiscardTraining, page, data))
     page.lost = page.missing_targets = page.shown_numbers = None
