@@ -221,19 +221,6 @@ class WorldClient:
         return state
 
     @blocking
-    async def cycle_before(self, seconds: float) -> int:
-        """Return the cycle some simulated seconds ago, but not before the first one.
-
-        Raises:
-            SwarmError: if the world publishes no state.
-        """
-        state = await self.state_at.coroutine(0)
-        now = seconds_of(state.header.stamp)
-        if not state.cycle or not now:
-            return state.cycle
-        return max(1, state.cycle - round(seconds * state.cycle / now))
-
-    @blocking
     async def state_at(
         self, cycle: int, seconds: float = 10.0, rests: Callable[[], bool] = lambda: False
     ) -> WorldState:

@@ -213,16 +213,31 @@ def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
     assert len(desk.agents.done) == PENDING_MAX
 
 
-def test_undo_does_not_take_back_another_command_than_the_one_that_was_left_out(desk):
+def test_keys_pressed_before_a_refusal_can_be_seen_are_left_out(desk):
     desk.agents.become(ONE, "training", "Start")
     desk.demonstrator.press_behavior("Forward")
     desk.now += KEY_AGE_MAX_S + 0.1  # while an agent has not answered
-    for key in "uu":
+    for key in "u1u":
         desk.keyboard.press(key)
     desk.demonstrator.work()
-    assert desk.agents.done == [(ONE, Undo())], "one is for the command before"
+    assert desk.agents.done == [], "an undo would take back the command before"
+    assert desk.demonstrator.said == (
+        "undo is left out: it was pressed after Forward, which was not taken"
+    )
     assert desk.press("1", "u")
-    assert desk.agents.done[1:] == [(ONE, Command("Forward", pace=1.0)), (ONE, Undo())]
+    assert desk.agents.done == [(ONE, Command("Forward", pace=1.0)), (ONE, Undo())]
+
+
+def test_keys_for_another_agent_and_what_stops_are_carried_out_after_a_refusal(desk):
+    desk.agents.become(ONE, "performing", "Forward")
+    desk.demonstrator.press_behavior("Forward")
+    desk.now += KEY_AGE_MAX_S + 0.1
+    desk.demonstrator.press("next")
+    desk.demonstrator.press_behavior("Forward")
+    desk.demonstrator.press("previous")
+    desk.demonstrator.steer((0.5, 0.0, 0.0), 0.3)
+    desk.demonstrator.work()
+    assert desk.agents.done == [(TWO, Perform("Forward")), (ONE, Perform())]
 
 
 def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):
