@@ -31,12 +31,7 @@ from hitab_core.training.operation import Operation
 from hitab_ros import names, qos
 from hitab_ros.answering import refuse
 from hitab_ros.messages.checks import BadMessage, check
-from hitab_ros.messages.conversions import (
-    cost_message,
-    feature_message,
-    message_of,
-    number_messages,
-)
+from hitab_ros.messages.conversions import feature_message, message_of
 
 
 class CommandTopic:
@@ -101,7 +96,7 @@ class AgentServices:
                 f'{agent.name} has no record of a training of "{name}" '
                 f"{has([cost.automaton for cost in known], name)}; ask the agent that was trained"
             )
-        response.costs = [cost_message(cost) for cost in costs]
+        response.costs = [message_of(msg.TrainingCost, cost) for cost in costs]
         response.success, response.message = True, quantity(len(costs), "training")
         return response
 
@@ -120,7 +115,7 @@ class AgentServices:
                 description="; ".join([b.description, *map(str, domain.numbers_of(Term(b.name)))]),
                 trained=b.name in agent.loaded.files,
                 one_shot=isinstance(b, BasicBehavior) and b.one_shot,
-                numbers=number_messages(domain.numbers_of(Term(b.name))),
+                numbers=[message_of(msg.Number, n) for n in domain.numbers_of(Term(b.name))],
             )
             for b in behaviors
         ]

@@ -23,7 +23,7 @@ from hitab_core.assistant import TrainingCost
 from hitab_core.codec import fields_of, from_dict
 from hitab_core.learning import root_of
 from hitab_core.regression import Neighbors, learn_numbers
-from hitab_ros.messages.conversions import cost_of, numbers_of_behaviors, remarks_of
+from hitab_ros.messages.conversions import numbers_of_behaviors, remarks_of
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def training_of(message: Any) -> Training:
         origin="training",
         questions=tuple(message.questions),
         remarks=remarks_of(message.remarks),
-        cost=cost_of(message.cost) if message.cost.automaton else None,
+        cost=from_dict(TrainingCost, message.cost) if message.cost.automaton else None,
         **_automaton_fields(message.automaton),
     )
 

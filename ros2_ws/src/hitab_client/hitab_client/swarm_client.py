@@ -17,11 +17,12 @@ from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.runs.users import user_name
 from hitab_client.showing.agent_presence import AgentPresence
 from hitab_core import Fix
+from hitab_core.codec import from_dict
 from hitab_core.operations import Command, Distribute, LoadLibrary
 from hitab_core.training.operation import Operation
 from hitab_ros import BusyTimeout, names, qos
 from hitab_ros.call import Turns, blocking, turn
-from hitab_ros.messages.conversions import cost_of, request_of
+from hitab_ros.messages.conversions import request_of
 from hitab_ros.timing import ANSWER_S, DISCOVERY_S
 
 if TYPE_CHECKING:
@@ -219,9 +220,11 @@ class SwarmClient(AgentPresence):
     @blocking
     async def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:
         """Return the costs of trainings, oldest first; see GetReport.srv."""
+        from hitab_core.assistant import TrainingCost  # deferred: loads the learning code
+
         request = GetReport.Request(automaton=automaton)
         report = await self.ask.coroutine(agent, GetReport, names.GET_REPORT, request)
-        return list(map(cost_of, report.costs))
+        return [from_dict(TrainingCost, cost) for cost in report.costs]
 
     def reload(self, agents: Sequence[str]) -> Iterator[tuple[str, str, bool]]:
         """Make agents reload their libraries; yield each agent, its answer and its success."""

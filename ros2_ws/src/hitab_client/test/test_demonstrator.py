@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, Behavior, TrainingStatus, WorldState, WorldStatus
+from hitab_msgs.msg import AgentStatus, Behavior, Number, TrainingStatus, WorldState, WorldStatus
 from sensor_msgs.msg import Joy
 
 from hitab_client import SwarmError
@@ -16,7 +16,7 @@ from hitab_core.operations import Command, Perform, TakeOver, Test, Undo
 from hitab_core.training.operation import Operation
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.call import Caller, blocking
-from hitab_ros.messages.conversions import number_messages
+from hitab_ros.messages.conversions import message_of
 from hitab_ros.timing import FOUND_S
 
 ONE, TWO = "robot_1", "robot_2"
@@ -101,7 +101,9 @@ class Agents:
 
     def vocabulary(self, agent: str) -> Any:
         behaviors = [Behavior(name=name) for name in ("Forward", "GoTo(A)")]
-        behaviors.append(Behavior(name="Kick(A)", numbers=number_messages(NUMBERS)))
+        behaviors.append(
+            Behavior(name="Kick(A)", numbers=[message_of(Number, n) for n in NUMBERS])
+        )
         return SimpleNamespace(domain="test", behaviors=behaviors, targets=["goal", "home"])
 
     def training(self, agent: str) -> Any:

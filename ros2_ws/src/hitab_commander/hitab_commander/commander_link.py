@@ -15,7 +15,7 @@ from hitab_commander.rounds import Lockstep, Round
 from hitab_core import RESERVED_NAMES, Mode
 from hitab_core.orders import Order, Report
 from hitab_ros import ListenedTime, names, qos
-from hitab_ros.messages.conversions import order_message
+from hitab_ros.messages.conversions import message_of
 from hitab_ros.messages.stamps import time_of
 from hitab_ros.timing import HEARTBEAT_S, POLL_S
 
@@ -245,4 +245,5 @@ class CommanderLink:
         self.group.changed = True
 
     def _publish(self, order: Order) -> None:
-        self._orders.publish(order_message(self._agent.name, order))
+        message = message_of(msg.Order, order, commander=self._agent.name, order=order.name)
+        self._orders.publish(message)

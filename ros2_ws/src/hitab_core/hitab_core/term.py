@@ -28,8 +28,12 @@ class Term:
     arguments: tuple[str, ...] = ()
 
     @classmethod
-    def parse(cls, text: str) -> Term:
+    def parse(cls, text: str, more: Iterable[str] = ()) -> Term:
         """Read ``Name`` or ``Name(argument, ...)``; an argument may be a number, ``name=value``.
+
+        Args:
+            text: the text.
+            more: further arguments, after those in the text.
 
         Raises:
             VocabularyError: if the text has another form.
@@ -48,7 +52,7 @@ class Term:
         for argument in arguments:
             if VOCABULARY_NAME.match(argument.partition("=")[0].rstrip()) is None:
                 raise VocabularyError(f'"{argument}" in "{text}" is not a target or parameter')
-        return cls(match.group(1), arguments)
+        return cls(match.group(1), (*arguments, *more))
 
     def bound(self, parameters: Mapping[str, str]) -> Term:
         """Return this term with each automaton parameter replaced by its binding.

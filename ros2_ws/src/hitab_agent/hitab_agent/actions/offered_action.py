@@ -14,7 +14,6 @@ from hitab_core import FLAGS, Agent, Fix, Mode, Term, TrainingError
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import remedies_for, what_went_wrong
 from hitab_ros.messages.checks import check
-from hitab_ros.messages.conversions import term_of
 
 DONE, FAILED = FLAGS
 
@@ -76,7 +75,7 @@ class OfferedAction:
         request = handle.request
         try:
             check(request)
-            term = term_of(request.behavior, request.targets)
+            term = Term.parse(request.behavior, request.targets)
             self._check_free()
             self._agent.perform(term)
         except Exception as error:

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 from hitab_msgs import msg
 
+from hitab_core.codec import from_dict
 from hitab_core.orders import Order
 from hitab_ros import GuardedNode, qos
-from hitab_ros.messages.conversions import order_of
 
 Take = Callable[[Order], None]
 Follow = Callable[[str, Order], None]
@@ -48,7 +48,7 @@ class OrderSubscriptions:
         takers = self._takers[topic] = [take]
 
         def on_order(message: msg.Order) -> None:
-            order = self._last[topic] = order_of(message)
+            order = self._last[topic] = from_dict(Order, message, name=message.order)
             for taker in takers:
                 taker(order)
             for follow in self._followers.get(topic, ()):

@@ -35,6 +35,7 @@ from hitab_core import (
     HitabError,
     LostBehaviorError,
     Mode,
+    Term,
     action_behaviors,
     quantity,
     uses_actions,
@@ -43,7 +44,6 @@ from hitab_core.operations import Command
 from hitab_core.orders import Subordinate
 from hitab_core.training.operation import Operation, Outcome
 from hitab_ros import names
-from hitab_ros.messages.conversions import term_of
 from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.nodes.diagnostics import Diagnosis
 from hitab_ros.timing import HEARTBEAT_S
@@ -146,7 +146,7 @@ class AgentNode(AgentBase):
             return
         term = None
         try:
-            term = term_of(behavior, ())
+            term = Term.parse(behavior)
             self.agent.perform(term)
         except HitabError as error:
             if isinstance(error, LostBehaviorError):

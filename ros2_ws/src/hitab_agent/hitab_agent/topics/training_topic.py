@@ -14,7 +14,7 @@ from hitab_core import Agent, TrainingSession
 from hitab_core.assistant import unsaved_cost
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.messages.conversions import cost_message, remark_messages
+from hitab_ros.messages.conversions import message_of, remark_messages
 from hitab_ros.timing import SETTLE_S, UPDATE_S
 
 
@@ -103,7 +103,7 @@ class TrainingTopic:
         asked, history = session.questions, session.log.history
         searched = self._searched == self.revision
         if searched and (cost := unsaved_cost(self._agent.journal)) is not None:
-            self._cost = cost_message(cost)
+            self._cost = message_of(msg.TrainingCost, cost)
         return msg.Training(
             agent=self._agent.name,
             revision=self.revision,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hitab_core.operations.subjects import term_of
+from hitab_core.term import Term
 from hitab_core.texts.errors import LibraryError, VocabularyError
 from hitab_core.texts.remedies import Fix
 from hitab_core.texts.wording import quantity
@@ -32,7 +32,7 @@ class Perform(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Perform the behavior."""
-        term = term_of(self.behavior, self.targets) if self.behavior else None
+        term = Term.parse(self.behavior, self.targets) if self.behavior else None
         agent.perform(term)
         done = f"{agent.name} performs {term or 'nothing'}"
         if agent.session is None:
@@ -117,7 +117,7 @@ class Distribute(Operation):
         """Send the behavior."""
         from hitab_core.library.bundle import make_bundle
 
-        term = term_of(self.behavior, self.targets)
+        term = Term.parse(self.behavior, self.targets)
         agent.check_saved(term.name)
         if self.start:
             agent.repertoire.check_state(term)

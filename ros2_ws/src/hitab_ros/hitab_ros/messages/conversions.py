@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import fields
 from operator import attrgetter
 from typing import Any
@@ -12,18 +12,8 @@ from typing import Any
 from diagnostic_msgs.msg import KeyValue
 from hitab_msgs import msg, srv
 
-from hitab_core import (
-    BoundedNumber,
-    Feature,
-    Fix,
-    Remark,
-    RemarkKind,
-    Remedy,
-    Term,
-)
-from hitab_core.assistant import TrainingCost
+from hitab_core import BoundedNumber, Feature, Fix, Remark, RemarkKind, Remedy, Term
 from hitab_core.codec import from_dict
-from hitab_core.orders import Order
 from hitab_core.training.operation import Operation
 
 
@@ -123,11 +113,6 @@ def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
     )
 
 
-def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
-    """Return the numbers of a behavior as messages."""
-    return [message_of(msg.Number, number) for number in numbers]
-
-
 def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumber, ...]]:
     """Return the numbers of the behaviors in messages that take numbers, by name."""
     return {
@@ -139,41 +124,6 @@ def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumb
     }
 
 
-def term_of(name: str, arguments: Sequence[str]) -> Term:
-    """Return a behavior with its targets, which may be part of the name, as in ``GoTo(ball)``.
-
-    Raises:
-        VocabularyError: if the name has an invalid form.
-    """
-    term = Term.parse(name)
-    return Term(term.name, (*term.arguments, *arguments))
-
-
-def order_message(commander: str, order: Order) -> msg.Order:
-    """Return an order as a message."""
-    return message_of(
-        msg.Order,
-        order,
-        commander=commander,
-        order=order.name,
-    )
-
-
-def order_of(message: msg.Order) -> Order:
-    """Return the order in a message."""
-    return from_dict(Order, message, name=message.order)
-
-
 def feature_message(term: Term, feature: Feature) -> msg.Feature:
     """Return a feature with its targets or parameters as a message."""
     return message_of(msg.Feature, feature, name=str(term), period=feature.scale.period)
-
-
-def cost_message(cost: TrainingCost) -> msg.TrainingCost:
-    """Return a training's cost as a message."""
-    return message_of(msg.TrainingCost, cost)
-
-
-def cost_of(message: Any) -> TrainingCost:
-    """Return the cost of a training in a message."""
-    return from_dict(TrainingCost, message)
