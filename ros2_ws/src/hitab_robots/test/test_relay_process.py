@@ -6,7 +6,7 @@ import pytest
 from rclpy.parameter import Parameter
 
 from hitab_robots import Drive
-from hitab_robots import relay_process as started_by
+from hitab_robots.relay import relay_process as started_by
 from hitab_robots.settings import RelaySettings
 from hitab_ros import GuardedNode
 from hitab_ros.testing import context_of_its_own
