@@ -168,9 +168,7 @@ class Driven:
         folder = tempfile.TemporaryDirectory()
         self._folder = folder
         self.agent = Agent("keeper_1", DOMAIN, BehaviorLibrary(folder.name, DOMAIN))
-        self.session = self.agent.begin(
-            Curriculum.parse("Shown", shown.features, (), (), (), "tree")
-        )
+        self.session = self.agent.begin(Curriculum.parse("Shown", shown.features, (), {}, "tree"))
         self._cycle = self._since = 0
         self._acts: Any = None
 

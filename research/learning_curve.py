@@ -26,7 +26,7 @@ from hitab_bringup.libraries.opened_library import open_library
 from hitab_cli.views.plots import figure, save
 from hitab_client.runs.shipped import shipped
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.domain import BOOLEAN_SCALE, Domain
+from hitab_core.domain import Domain, FeatureKind, Scale
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.repertoire import Repertoire
 from hitab_world.inprocess import perform, play
@@ -68,7 +68,7 @@ def learned(automaton: Automaton, domain: Domain, count: int) -> Automaton:
     """Return an automaton as it is learned from its first examples."""
     examples = automaton.examples[:count]
     scales = [
-        BOOLEAN_SCALE if feature.name in FLAGS else domain.scale_of(feature)
+        Scale(FeatureKind.BOOLEAN) if feature.name in FLAGS else domain.scale_of(feature)
         for feature in automaton.features
     ]
     return replace(automaton, examples=examples, transitions=learn_transitions(examples, scales))

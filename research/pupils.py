@@ -189,9 +189,7 @@ class InProcessPupil:
 
     def begin(self, plan: Plan, *, resume: bool = False) -> None:
         """Begin to train an automaton, or resume its training."""
-        curriculum = Curriculum.parse(
-            plan.name, plan.features, plan.states, (), (), self._classifier
-        )
+        curriculum = Curriculum.parse(plan.name, plan.features, plan.states, {}, self._classifier)
         self._pupil.begin(curriculum, resume=plan.name if resume else "")
         self._plan = plan.name
 

@@ -68,6 +68,9 @@ BUDGET = {
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
+FILE_MAX = 400
+"""Maximum number of lines of a file of the product, comments and docstrings included."""
+
 TIMES_MAX = 60
 """Maximum number of times that modules define: share those of `hitab_ros/timing.py`."""
 
@@ -237,6 +240,15 @@ def test_no_package_grows_unseen(name):
 
 def test_every_package_has_a_budget_of_lines():
     assert {owner for owner, _ in counted_files()} == {*BUDGET}
+
+
+def test_no_file_of_the_product_is_long():
+    lengths = {
+        path.relative_to(SOURCES): len(path.read_text().splitlines())
+        for owner, path in counted_files()
+        if owner != "tests"
+    }
+    assert not {path: length for path, length in lengths.items() if length > FILE_MAX}
 
 
 def test_no_two_public_classes_have_one_name():

@@ -75,7 +75,7 @@ def test_a_swarm_without_a_world_lives_beside_a_swarm_with_one_in_its_domain(apa
         assert keepers.await_agents() == list(soccer.agents)
         assert {status.behavior for status in keepers.statuses.values()} == {""}
         world = WorldClient(link, identity=record.identity)
-        assert link.spin_until(lambda: world.stranger == soccer.identity, 60.0)
+        assert link.spin_until(lambda: [*world.strangers.values()] == [soccer.identity], 60.0)
         assert world.status is None
 
 

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 from unlearning import Correction, ProposalKind, propose, suspects
 
-from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
+from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.texts.errors import TrainingError
 
@@ -72,7 +72,9 @@ def test_between_a_correction_and_what_was_shown_is_asked_once():
 def test_what_a_boolean_tells_apart_needs_no_number_in_between(held, places):
     examples = shown(((5.0, 0.0), "GoFast"), ((6.0, 0.0), "GoFast"))
     told = [Correction("GoMedium", (1.0, held), "GoFast", "GoSlow")]
-    assert [p.place for p in propose(examples, [METERS, BOOLEAN_SCALE], told)] == places
+    assert [
+        p.place for p in propose(examples, [METERS, Scale(FeatureKind.BOOLEAN)], told)
+    ] == places
 
 
 def test_of_very_many_examples_mistakes_are_found_without_trying_each_out():
@@ -104,11 +106,13 @@ def test_booleans_and_categories_are_the_same_or_not_and_circles_close():
         ((1.0, 359.0), "Stop"), ((1.0, 1.0), "GoFast"), ((1.0, 3.0), "Stop"), ((0.0, 1.0), "Pass")
     )
     told = [Correction("GoMedium", (1.0, d), "GoFast", "Stop") for d in (0.5, 1.0)]
-    proposal, *others = propose(examples, [BOOLEAN_SCALE, DIRECTION], told)
+    proposal, *others = propose(examples, [Scale(FeatureKind.BOOLEAN), DIRECTION], told)
     assert others == []
     assert (proposal.kind, proposal.examples) == (ProposalKind.MISTAKE, (2,))
     other_side = [Correction("GoMedium", (0.0, 1.0), "Pass", "Stop")] * 2
-    assert propose(examples, [BOOLEAN_SCALE, DIRECTION], other_side)[0].examples == (4,)
+    assert propose(examples, [Scale(FeatureKind.BOOLEAN), DIRECTION], other_side)[0].examples == (
+        4,
+    )
 
 
 def test_a_missing_value_does_not_hinder_judging_by_the_others():

@@ -26,7 +26,6 @@ from hitab_ros import GuardedNode, names
 from hitab_ros.messages.conversions import (
     feature_message,
     message_of,
-    number_messages,
     pairs_of,
 )
 
@@ -76,7 +75,7 @@ class InspectionServices:
                 description="; ".join([b.description, *map(str, domain.numbers_of(Term(b.name)))]),
                 trained=b.name in agent.loaded.files,
                 one_shot=isinstance(b, BasicBehavior) and b.one_shot,
-                numbers=number_messages(domain.numbers_of(Term(b.name))),
+                numbers=[message_of(msg.Number, n) for n in domain.numbers_of(Term(b.name))],
             )
             for b in behaviors
         ]

@@ -379,7 +379,7 @@ def test_a_job_that_fails_does_not_keep_others_from_being_done(process):
 def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process, start, tmp_path):
     host = Host(process, start, tmp_path, True, size=3)
     first = host.nodes[0]
-    first.taken_in = lambda *_: 1 / 0
+    first.answered = lambda *_: 1 / 0
     host.send(taught(tmp_path / "teacher", "Low", "Left"))
     process.until(lambda: {"pupil_1", "pupil_2"} <= {ack.agent for ack in host.heard})
     assert "distribution failed: ZeroDivisionError" in first.guard.faults.texts()[0]

@@ -9,10 +9,10 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_client.connecting.identity import is_own, other_swarm
 from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
 from hitab_client.runs.run_processes import RunProcesses
+from hitab_client.showing.swarm_listener import SwarmListener
 from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.call import blocking
@@ -30,9 +30,10 @@ MODE_AFTER_REQUEST = {
     Control.Request.RESUME: WorldState.RUNNING,
 }
 NAN = float("nan")
+THE_WORLD = "the world"
 
 
-class WorldClient:
+class WorldClient(SwarmListener):
     """Client of a swarm's world over ROS.
 
     Args:
@@ -45,8 +46,6 @@ class WorldClient:
     Attributes:
         status: the last status of the swarm's world.
         speed: recent speed, simulated seconds per second.
-        stranger: identity of the other swarm that the world belongs to, empty for a world
-            started by hand; None if the world belongs to this swarm.
     """
 
     def __init__(
@@ -58,13 +57,9 @@ class WorldClient:
         started_by_it: bool = True,
         processes: RunProcesses | None = None,
     ) -> None:
-        self.link = link
-        self.prefix = prefix
-        self.identity = identity
-        self._started_by_it = started_by_it
+        super().__init__(link, prefix, identity, (THE_WORLD,) if started_by_it else ())
         self._processes = processes or RunProcesses()
         self.status: WorldStatus | None = None
-        self.stranger: str | None = None
         self.state: WorldState | None = None
         self.speed = 1.0
         self._first_stamp: tuple[float, float] | None = None
@@ -77,10 +72,7 @@ class WorldClient:
         return names.of_world(name, self.prefix)
 
     def _take_status(self, status: WorldStatus) -> None:
-        if is_own(status.swarm, self.identity, started_by_it=self._started_by_it):
-            self.status, self.stranger = status, None
-        else:
-            self.status, self.stranger = None, status.swarm
+        self.status = status if self._is_own(THE_WORLD, status.swarm) else None
 
     def _take_state(self, state: WorldState) -> None:
         self.state = state
@@ -102,16 +94,14 @@ class WorldClient:
         own = names.WORLD in self._processes
         if self._processes.are_known and not own:
             seconds = min(seconds, PROMPT_S)
-
         is_lost = self._processes.is_lost
 
         await self.link.until(
-            lambda: self.status or self.stranger is not None or is_lost(names.WORLD),
+            lambda: self.status or self.strangers or is_lost(names.WORLD),
             seconds,
-            waiting_for=lambda: "the world",
+            waiting_for=lambda: THE_WORLD,
         )
-        if self.stranger is not None:
-            raise other_swarm("the world", self.stranger, self.identity)
+        self.refuse_strangers(self.strangers)
         if self.status is None:
             late = f"the world has been silent for {seconds:g} s"
             silent = SwarmError(late, Fix.LOGS(node=names.WORLD))
@@ -221,19 +211,6 @@ class WorldClient:
         return state
 
     @blocking
-    async def cycle_before(self, seconds: float) -> int:
-        """Return the cycle some simulated seconds ago, but not before the first one.
-
-        Raises:
-            SwarmError: if the world publishes no state.
-        """
-        state = await self.state_at.coroutine(0)
-        now = seconds_of(state.header.stamp)
-        if not state.cycle or not now:
-            return state.cycle
-        return max(1, state.cycle - round(seconds * state.cycle / now))
-
-    @blocking
     async def state_at(
         self, cycle: int, seconds: float = 10.0, rests: Callable[[], bool] = lambda: False
     ) -> WorldState:
@@ -256,7 +233,7 @@ class WorldClient:
         if not await self.link.until(
             lambda: self.state is not None and right(self.state),
             seconds,
-            waiting_for=lambda: some(self.missing) or "the world",
+            waiting_for=lambda: some(self.missing) or THE_WORLD,
         ):
             late = f"the world did not {what} within {seconds:g} s"
             raise self._processes.reason(names.WORLD) or SwarmError(

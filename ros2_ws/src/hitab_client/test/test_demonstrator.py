@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, Behavior, TrainingStatus, WorldState, WorldStatus
+from hitab_msgs.msg import AgentStatus, Behavior, Number, TrainingStatus, WorldState, WorldStatus
 from sensor_msgs.msg import Joy
 
 from hitab_client import SwarmError
@@ -16,7 +16,7 @@ from hitab_core.operations import Command, Perform, TakeOver, Test, Undo
 from hitab_core.training.operation import Operation
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.call import Caller, blocking
-from hitab_ros.messages.conversions import number_messages
+from hitab_ros.messages.conversions import message_of
 from hitab_ros.timing import FOUND_S
 
 ONE, TWO = "robot_1", "robot_2"
@@ -101,7 +101,9 @@ class Agents:
 
     def vocabulary(self, agent: str) -> Any:
         behaviors = [Behavior(name=name) for name in ("Forward", "GoTo(A)")]
-        behaviors.append(Behavior(name="Kick(A)", numbers=number_messages(NUMBERS)))
+        behaviors.append(
+            Behavior(name="Kick(A)", numbers=[message_of(Number, n) for n in NUMBERS])
+        )
         return SimpleNamespace(domain="test", behaviors=behaviors, targets=["goal", "home"])
 
     def training(self, agent: str) -> Any:
@@ -213,16 +215,31 @@ def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
     assert len(desk.agents.done) == PENDING_MAX
 
 
-def test_undo_does_not_take_back_another_command_than_the_one_that_was_left_out(desk):
+def test_keys_pressed_before_a_refusal_can_be_seen_are_left_out(desk):
     desk.agents.become(ONE, "training", "Start")
     desk.demonstrator.press_behavior("Forward")
     desk.now += KEY_AGE_MAX_S + 0.1  # while an agent has not answered
-    for key in "uu":
+    for key in "u1u":
         desk.keyboard.press(key)
     desk.demonstrator.work()
-    assert desk.agents.done == [(ONE, Undo())], "one is for the command before"
+    assert desk.agents.done == [], "an undo would take back the command before"
+    assert desk.demonstrator.said == (
+        "undo is left out: it was pressed after Forward, which was not taken"
+    )
     assert desk.press("1", "u")
-    assert desk.agents.done[1:] == [(ONE, Command("Forward", pace=1.0)), (ONE, Undo())]
+    assert desk.agents.done == [(ONE, Command("Forward", pace=1.0)), (ONE, Undo())]
+
+
+def test_keys_for_another_agent_and_what_stops_are_carried_out_after_a_refusal(desk):
+    desk.agents.become(ONE, "performing", "Forward")
+    desk.demonstrator.press_behavior("Forward")
+    desk.now += KEY_AGE_MAX_S + 0.1
+    desk.demonstrator.press("next")
+    desk.demonstrator.press_behavior("Forward")
+    desk.demonstrator.press("previous")
+    desk.demonstrator.steer((0.5, 0.0, 0.0), 0.3)
+    desk.demonstrator.work()
+    assert desk.agents.done == [(TWO, Perform("Forward")), (ONE, Perform())]
 
 
 def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):

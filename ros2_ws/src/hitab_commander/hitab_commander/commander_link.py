@@ -245,5 +245,5 @@ class CommanderLink:
         self.group.changed = True
 
     def _publish(self, order: Order) -> None:
-        commander = self._agent.name
-        self._orders.publish(message_of(msg.Order, order, commander=commander, order=order.name))
+        message = message_of(msg.Order, order, commander=self._agent.name, order=order.name)
+        self._orders.publish(message)

@@ -324,7 +324,7 @@ class Agent(AgentLibrary):
                 earlier episode.
             FeatureValueError: if it has perceived nothing yet.
         """
-        session = self._under_way()
+        session = self.under_way()
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
             raise TrainingError(
                 f'it is {self.mode}, and the training of "{self.training}" waits',
@@ -361,7 +361,7 @@ class Agent(AgentLibrary):
         Raises:
             TrainingError: if there is no training, or no example leaves Start.
         """
-        self._under_way().test(restart=restart)
+        self.under_way().test(restart=restart)
         self._go_on(Mode.TESTING)
 
     def take_over(self) -> None:
@@ -370,13 +370,13 @@ class Agent(AgentLibrary):
         Raises:
             TrainingError: if there is no training.
         """
-        self._under_way().take_over()
+        self.under_way().take_over()
         self._go_on(Mode.TRAINING)
 
     def _go_on(self, mode: Mode) -> None:
         if self.mode not in (Mode.TRAINING, Mode.TESTING):
             self._stop()
-            self._under_way().restart()
+            self.under_way().restart()
         self.mode = mode
 
     def discard(self) -> None:

@@ -125,6 +125,21 @@ class AgentLibrary:
                 f'"{name}" is being trained and not saved yet', Fix.SAVE(agent=self.name)
             )
 
+    def under_way(self, *, to_save: bool = False) -> TrainingSession:
+        """Return the training under way.
+
+        Raises:
+            TrainingError: if there is none.
+        """
+        if self.session is None:
+            refused = "nothing can be saved: " if to_save else ""
+            if to_save and self._latest_saved:
+                refused += f'"{self._latest_saved}" has been saved already, and '
+            raise TrainingError(
+                f"{refused}it is not training anything", Fix.TRAIN(agent=self.name)
+            )
+        return self.session
+
     @property
     def faults(self) -> tuple[str, ...]:
         """Lost behaviors, and an interrupted training, as sentences."""
@@ -164,7 +179,7 @@ class AgentLibrary:
             LibraryError: if it cannot be written; nothing has changed.
             VocabularyError: if it does not fit the repertoire; nothing has changed.
         """
-        session = self._under_way(to_save=True)
+        session = self.under_way(to_save=True)
         curriculum = session.curriculum
         self.repertoire.check_name(name or curriculum.name)
         automaton, notes = session.trimmed(name, bindings, keep_unused=keep_unused)
@@ -349,16 +364,6 @@ class AgentLibrary:
             self.repertoire.check_performable(term)
             performed = self._performances[term] = performance(self.context, term)
         return performed
-
-    def _under_way(self, *, to_save: bool = False) -> TrainingSession:
-        if self.session is None:
-            refused = "nothing can be saved: " if to_save else ""
-            if to_save and self._latest_saved:
-                refused += f'"{self._latest_saved}" has been saved already, and '
-            raise TrainingError(
-                f"{refused}it is not training anything", Fix.TRAIN(agent=self.name)
-            )
-        return self.session
 
     def _continued(
         self, curriculum: Curriculum, resume: str

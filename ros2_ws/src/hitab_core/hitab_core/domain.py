@@ -10,12 +10,12 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -29,8 +29,6 @@ from hitab_core.texts.errors import VocabularyError
 from hitab_core.texts.vocabulary import check_known, has
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from hitab_core.automaton import Automaton
 
 ENTRY_POINT_GROUP = "hitab.domains"
@@ -102,30 +100,23 @@ class Scale:
     categories: tuple[str, ...] = ()
 
 
-BOOLEAN_SCALE = Scale(FeatureKind.BOOLEAN)
-
-
 def _not_of_a_body(body: Any, *targets: Any) -> float:
     raise TypeError("the engine fills this feature in")
 
 
-def _own(name: str, description: str, **more: Any) -> tuple[str, Feature]:
-    return name, Feature(name, _not_of_a_body, description=description, **more)
-
-
-FLAGS_AND_TIMERS = dict(
-    [
-        _own("Done", "whether the active state's behavior is done", kind=FeatureKind.BOOLEAN),
-        _own("Failed", "whether the active state's behavior failed", kind=FeatureKind.BOOLEAN),
-        _own(SECONDS_IN_STATE, "time since the active state was entered", unit="s"),
-        _own(
+FLAGS_AND_TIMERS = {
+    name: Feature(name, _not_of_a_body, description=description, **more)
+    for name, description, more in (
+        ("Done", "whether the active state's behavior is done", {"kind": FeatureKind.BOOLEAN}),
+        ("Failed", "whether the active state's behavior failed", {"kind": FeatureKind.BOOLEAN}),
+        (SECONDS_IN_STATE, "time since the active state was entered", {"unit": "s"}),
+        (
             SECONDS_SINCE,
             "time since the automaton last saw this flag up, or was started",
-            parameters=("flag",),
-            unit="s",
+            {"unit": "s", "parameters": ("flag",)},
         ),
-    ]
-)
+    )
+}
 """The engine's own features by name; see `hitab_core.automaton.OWN_FEATURES`."""
 
 
@@ -234,7 +225,7 @@ class Domain:
             ['Left', 'Right']
         """
         groups: list[list[Any]] = [list(g) for g in (behaviors, features, targets, automata)]
-        for group in groups:
+        for group, taken in zip(groups, ((), OWN_NAMES, FLAGS, ()), strict=True):
             names = [thing.name for thing in group]
             for thing_name in names:
                 if VOCABULARY_NAME.match(thing_name) is None:
@@ -243,11 +234,9 @@ class Domain:
                     )
                 if names.count(thing_name) > 1:
                     raise VocabularyError(f'domain "{name}" has "{thing_name}" twice')
-        for taken, what in ((OWN_NAMES, groups[1]), (frozenset(FLAGS), groups[2])):
-            for thing in what:
-                if thing.name in taken:
+                if thing_name in taken:
                     raise VocabularyError(
-                        f'domain "{name}": "{thing.name}" is a name of the engine\'s own, which '
+                        f'domain "{name}": "{thing_name}" is a name of the engine\'s own, which '
                         "every automaton has; choose another one"
                     )
         made = [{thing.name: thing for thing in group} for group in groups]
@@ -306,8 +295,8 @@ class Domain:
 
     @cached_property
     def _feature_parameters(self) -> dict[str, tuple[str, ...]]:
-        found = {name: f.parameters for name, f in self.features.items()}
-        return found | {name: f.parameters for name, f in FLAGS_AND_TIMERS.items()}
+        known = {**self.features, **FLAGS_AND_TIMERS}
+        return {name: feature.parameters for name, feature in known.items()}
 
     def check_use(
         self,
@@ -348,7 +337,7 @@ def load_domain(name: str) -> Domain:
         VocabularyError: if there is none, or it is not a domain.
     """
     if name.endswith(".py"):
-        if (stem := Path(name).stem) in _installed():
+        if (stem := Path(name).stem) in entry_points(group=ENTRY_POINT_GROUP).names:
             raise VocabularyError(f'{name}: domain "{stem}" is installed; rename the file')
         return _domain_of(load_file(Path(name)))
     module, _, attribute = name.partition(":")
@@ -372,19 +361,15 @@ def named_domain(name: str) -> Domain:
     """
     if (file := loaded_file(name)) is not None:
         return _domain_of(file)
-    points = _installed()
-    if name not in points:
+    points = entry_points(group=ENTRY_POINT_GROUP)
+    if name not in points.names:
         raise VocabularyError(
-            f'no domain "{name}" is installed {has(points, name)}; a package provides one under '
-            f'the entry-point group "{ENTRY_POINT_GROUP}". Of a world in one file, give the file: '
-            "hitab up my_world.py, hitab library --file my_world.py list. A swarm file may say "
-            '"module:ATTRIBUTE"'
+            f'no domain "{name}" is installed {has(points.names, name)}; a package provides one '
+            f'under the entry-point group "{ENTRY_POINT_GROUP}". Of a world in one file, give the '
+            "file: hitab up my_world.py, hitab library --file my_world.py list. A swarm file may "
+            'say "module:ATTRIBUTE"'
         )
     return _checked(name, points[name].load())
-
-
-def _installed() -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
 
 
 def _checked(name: str, found: object) -> Domain:

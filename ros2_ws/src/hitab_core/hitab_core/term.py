@@ -33,7 +33,7 @@ class Term:
 
         Args:
             text: the text.
-            more: arguments that follow those in the text.
+            more: further arguments, after those in the text.
 
         Raises:
             VocabularyError: if the text has another form.

@@ -6,10 +6,10 @@ import numpy as np
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import unshown
-from hitab_core.domain import BOOLEAN_SCALE, Scale
+from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example
 
-SCALES = (Scale(), BOOLEAN_SCALE)
+SCALES = (Scale(), Scale(FeatureKind.BOOLEAN))
 
 
 def test_examples_and_what_was_met_may_lack_values():

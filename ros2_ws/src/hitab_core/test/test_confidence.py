@@ -11,7 +11,7 @@ from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import UNKNOWN_DISTANCE, Nearness
 from hitab_core.automaton import Automaton
-from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
+from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.term import Term
@@ -68,7 +68,7 @@ def test_values_that_are_missing_are_left_out():
 
 
 def test_a_decision_without_a_tested_value_is_as_far_away_as_its_farthest_leaf():
-    rate = rated(BALL, [METERS, BOOLEAN_SCALE])
+    rate = rated(BALL, [METERS, Scale(FeatureKind.BOOLEAN)])
     assert rate.distance([8.5, 0.0]) == rate.distance([8.5, 1.0]) == 0
     assert rate.distance([8.5, None]) == rate.distance([8.5, math.nan]) == UNKNOWN_DISTANCE
 
@@ -117,7 +117,7 @@ def test_an_automaton_is_rated_by_state_without_its_superseded_examples():
     st.tuples(st.floats(-60, 60), st.floats(-400, 400), st.integers(0, 1)),
 )
 def test_the_distance_is_that_of_the_nearest_example_in_the_tested_features(rows, situation):
-    scales = [METERS, DEGREES, BOOLEAN_SCALE]
+    scales = [METERS, DEGREES, Scale(FeatureKind.BOOLEAN)]
     known = evidence([(row[:3], row[3], False) for row in rows], scales)
     tree = known.learn()
     rate = Confidences(tree, known)

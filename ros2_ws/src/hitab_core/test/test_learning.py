@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
+from hitab_core.domain import FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.learning.transition_tree import TransitionTree
@@ -25,7 +25,7 @@ EXAMPLES = [
     Example("GoSlow", (1.0, 1.0), "Stop", number=5),
     Example("Stop", (1.0, 1.0), "Stop", DEFAULT, number=6),
 ]
-SCALES = [METERS, BOOLEAN_SCALE]
+SCALES = [METERS, Scale(FeatureKind.BOOLEAN)]
 
 
 def learn_transition(classifier, scales, X, y, default=None, names=None):

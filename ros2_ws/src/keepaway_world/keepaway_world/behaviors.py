@@ -21,8 +21,6 @@ FAST, MEDIUM, SLOW = 100.0, 90.0, 75.0
 
 AT_REST = 0.1  # m/cycle: a ball that looks slower than this is left alone
 
-BALL_RESTS = 0.02  # m/cycle: a ball as slow as this rolls on for a third of a meter
-
 OPEN_STEP = 3.0  # m: how far ahead GetOpen looks down its potential field
 OPEN_ARRIVED = 0.5  # m: a keeper does not go to a place that is closer than this
 TURN_WHEN_OFF = math.radians(10.0)  # a keeper that is off by less than this dashes

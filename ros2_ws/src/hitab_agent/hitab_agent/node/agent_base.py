@@ -65,9 +65,6 @@ class AgentBase(GuardedNode):
     def answered(self, error: Exception | None) -> None:
         """Settle after an operation, and show in the status what went wrong."""
 
-    def taken_in(self, digest: str, error: str) -> None:
-        """Publish that a distribution was accepted or, without a digest, refused."""
-
     def diagnose(self) -> Diagnosis:
         """Return the faults of the agent."""
         raise NotImplementedError

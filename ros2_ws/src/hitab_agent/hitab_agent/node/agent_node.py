@@ -103,12 +103,7 @@ class AgentNode(AgentBase):
         self.percept_log = PerceptLog(self)
         self._tick = GuardedTick(self.agent, self.guard)
         self.status = StatusPublisher(
-            self,
-            self.agent,
-            settings,
-            self.shared,
-            self.transition_log,
-            self._prepare_status,
+            self, self.agent, settings, self.shared, self.transition_log, self._prepare_status
         )
         self.training = TrainingTopic(self, self.agent, self.scheduler)
         self._sensed = False
@@ -310,20 +305,18 @@ class AgentNode(AgentBase):
             self.status.publish_soon()
             self.shared.diagnostics.soon()
         log = self.transition_log
-        if self._unsettled or log.changed:
+        changed = self._unsettled or log.changed
+        if changed:
             path = self.agent.active_path
             # The agent leaves a flag state without a transition.
             self._unsettled = bool(path) and path[-1] in RESERVED_NAMES
             log.changed = False
-            changed = True
             if path != self.status.path and not percept.look:
                 self.status.publish_soon()
-        else:
-            changed = percept.restart
         if self._offered is not None:
             self._offered.look()
         if self.superior is not None and not percept.lockstep:
-            self.superior.perceived(percept, self._seconds, changed=changed)
+            self.superior.perceived(percept, self._seconds, changed=changed or percept.restart)
         return action
 
     def seconds_of(self, percept: msg.Percept) -> float:
@@ -357,8 +350,7 @@ class AgentNode(AgentBase):
 
     def ordered(self) -> None:
         """Publish the outcome of an order: obeyed, or waiting with the reason."""
-        refusal = self.status.refusal
-        if refusal:
+        if refusal := self.status.refusal:
             self.guard.log(refusal)
             self.status.report_error(None)
         else:
@@ -387,12 +379,6 @@ class AgentNode(AgentBase):
         """Settle after an operation, and show in the status what went wrong."""
         self.settle()
         self.status.report_error(error)
-
-    def taken_in(self, digest: str, error: str) -> None:
-        """Publish that a distribution was accepted or, without a digest, refused."""
-        if digest:
-            self.settle()
-        self.status.report_error(HitabError(error) if error else None)
 
     def faults_changed(self) -> None:
         """Publish a status soon, if the agent has joined."""

@@ -9,7 +9,7 @@ from hitab_msgs import msg
 from hitab_core import Automaton, Domain, HitabError, Term, TrainingSession, TransitionTree
 from hitab_core.assistant import Question
 from hitab_core.learning import TREE, ClassifierSpec, learn_transitions, plain_nodes
-from hitab_ros.messages.conversions import feature_message, message_of, number_messages
+from hitab_ros.messages.conversions import feature_message, message_of
 
 
 def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.Automaton:
@@ -24,7 +24,7 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
         msg.Automaton,
         automaton,
         with_numbers=[
-            msg.Behavior(name=name, numbers=number_messages(numbers))
+            msg.Behavior(name=name, numbers=[message_of(msg.Number, one) for one in numbers])
             for name in sorted({state.name for state in automaton.states})
             if (numbers := domain.numbers_of(Term(name)))
         ],

@@ -15,7 +15,7 @@ from hitab_msgs import msg
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.scheduler import JobQueue
 from hitab_agent.topics.bundle_install import BundleInstall
-from hitab_core import Term
+from hitab_core import HitabError, Term
 from hitab_core.library import Bundle
 from hitab_core.training.operation import Shipment
 from hitab_ros import GuardedNode, names, qos
@@ -58,7 +58,7 @@ class Distributions:
 
     def _acknowledge(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
         # The status comes first: a client that has all acknowledgements compares the digests.
-        node.taken_in(digest, error)
+        node.answered(HitabError(error) if error else None)
         self._acknowledgements.publish(
             msg.DistributionAck(
                 sequence=sequence,

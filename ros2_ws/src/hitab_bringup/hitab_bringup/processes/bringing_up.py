@@ -183,9 +183,7 @@ def _another_domain(has_drivers: bool) -> str:
 
 def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
     """Refuse names that any other node in the ROS domain uses."""
-    taken = dict(agents.strangers)
-    if record.world and world.stranger is not None:
-        taken["world"] = world.stranger
+    taken = agents.strangers | (world.strangers if record.world else {})
     if not taken:
         return
     other = next(iter(taken.values()))
@@ -272,9 +270,7 @@ def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
         supervision.refuse_failed(swarm.record, swarm.folder)
     except SwarmError as error:
         agents, world = swarm.agents, swarm.world
-        swarm.link.spin_until(
-            lambda: bool(agents.strangers) or world.stranger is not None, SETTLE_S
-        )
+        swarm.link.spin_until(lambda: bool(agents.strangers or world.strangers), SETTLE_S)
         _refuse_taken(swarm.record, agents, world)
         wrong = re.search(r'the parameter "([\w.]+)" is ', str(error))
         if wrong is None or not (places := parameter_places(file, wrong[1])):

@@ -19,7 +19,7 @@ from hitab_msgs.srv import Control
 from hitab_client.demonstrating.agent_vocabulary import AgentVocabulary, WordsOfAgents
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.key_actions import command, put_earlier, toggled
-from hitab_client.demonstrating.pressed import Pressed, Prompt, UnseenOutcomes
+from hitab_client.demonstrating.pressed import Pressed, Prompt
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.errors import SwarmError
 from hitab_client.stops import Stops
@@ -87,7 +87,7 @@ class Demonstrator:
         self._asks = asks
         self._clock = clock
         self._pending: deque[Pressed] = deque()
-        self._unseen = UnseenOutcomes()
+        self._not_taken: dict[str, str] = {}
         self._chosen_at = -math.inf
         self._is_driven = False
         self._refused_until = -math.inf
@@ -274,15 +274,14 @@ class Demonstrator:
     def work(self) -> None:
         """Carry out the pressed keys; errors are noted in `said`."""
         while self._pending:
-            pressed, taken = self._pending.popleft(), True
+            pressed = self._pending.popleft()
             try:
                 self._carry_out(pressed)
             except HitabError as error:
-                taken = False
+                if pressed.behavior:
+                    self._not_taken.setdefault(pressed.agent, pressed.behavior)
                 self.tell(str(error), failed=True)
-            if pressed.behavior:
-                self._unseen.add(pressed.agent, taken)
-        self._unseen.clear()
+        self._not_taken.clear()
 
     def look(self) -> None:
         """Request the agent's vocabulary, if it may have changed.
@@ -301,7 +300,8 @@ class Demonstrator:
                 f"{pressed.what} is left out: it was pressed {late:.1f} s ago, while an agent did "
                 "not answer"
             )
-        self._unseen.check(pressed.agent, pressed.what)
+        if pressed.what not in ("stop", DRIVING_BY_HAND):  # what stops is never left out
+            self._check_seen(pressed)
         if pressed.behavior:
             said = self._command(pressed)
         elif pressed.what in self._does:
@@ -310,6 +310,14 @@ class Demonstrator:
             said = self._halt(pressed.agent)
         if said:
             self.tell(said)
+
+    def _check_seen(self, pressed: Pressed) -> None:
+        """Check that the person can have seen the outcomes of all commands before."""
+        if behavior := self._not_taken.get(pressed.agent):
+            # An undo, for example, was meant for that command, not for the one before.
+            raise SwarmError(
+                f"{pressed.what} is left out: it was pressed after {behavior}, which was not taken"
+            )
 
     def _command(self, pressed: Pressed) -> str:
         agent, agents = pressed.agent, self._agents

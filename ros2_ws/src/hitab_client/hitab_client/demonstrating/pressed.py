@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 
-from hitab_client.errors import SwarmError
 from hitab_core import BoundedNumber, Term
 
 KEY_ACTIONS = {
@@ -68,39 +66,3 @@ class Prompt:
         arguments = list(self.term.arguments)
         arguments[self.place] = target
         return Term(self.term.name, tuple(arguments))
-
-
-class UnseenOutcomes:
-    """Outcomes of commands that the person cannot have seen yet.
-
-    If the last command was refused and the person presses undo before seeing that, the undo is not
-    meant for the command before.
-    """
-
-    def __init__(self) -> None:
-        self._taken = defaultdict[str, list[bool]](list)
-
-    def add(self, agent: str, taken: bool) -> None:
-        """Note the outcome of a command."""
-        self._taken[agent].append(taken)
-
-    def check(self, agent: str, action: str) -> None:
-        """Check that an action on the last command would not affect another command.
-
-        Raises:
-            SwarmError: if the agent has not taken the last command.
-        """
-        taken = self._taken[agent][-1:]
-        if action == "undo":
-            del self._taken[agent][-1:]
-        if action in ("undo", "earlier") and taken == [False]:
-            raise SwarmError(f"{action} is left out: the last command was not taken")
-
-    @property
-    def there(self) -> bool:
-        """Whether there are unseen outcomes."""
-        return any(self._taken.values())
-
-    def clear(self) -> None:
-        """Note that the person has seen all outcomes."""
-        self._taken.clear()

@@ -8,10 +8,11 @@ from collections.abc import Iterable, Sequence
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client.connecting.identity import is_own, other_swarm
+from hitab_client.connecting.identity import is_own
 from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
 from hitab_client.runs.run_processes import RunProcesses
+from hitab_client.showing.swarm_listener import SwarmListener
 from hitab_core import Fix, has, some
 from hitab_ros import SignsOfLife, check_same_message_version, names, qos
 from hitab_ros.call import blocking
@@ -26,7 +27,7 @@ def is_older(status: AgentStatus, known: AgentStatus) -> bool:
     return status.process == known.process and status.sequence < known.sequence
 
 
-class AgentPresence:
+class AgentPresence(SwarmListener):
     """The agents of a swarm that have reported.
 
     Args:
@@ -40,7 +41,6 @@ class AgentPresence:
         expected: names of the expected agents.
         statuses: the last status of each agent of the swarm, by name.
         unheard: the expected agents that have not reported, in order.
-        strangers: the swarm of each agent that belongs to another swarm, by name.
     """
 
     def __init__(
@@ -52,14 +52,11 @@ class AgentPresence:
         identity: str = "",
         processes: RunProcesses | None = None,
     ) -> None:
-        self.link = link
-        self.prefix = prefix
         self.expected = dict.fromkeys(expected)
+        super().__init__(link, prefix, identity, self.expected)
         self.unheard = self.expected.copy()
-        self.identity = identity
         self.processes = processes or RunProcesses()
         self.statuses: dict[str, AgentStatus] = {}
-        self.strangers: dict[str, str] = {}
         self._watched: set[str] = set()
         self._begin_waiting()
         if len(self.expected) <= WATCHED_MAX:
@@ -81,16 +78,14 @@ class AgentPresence:
             )
 
     def _take_status(self, agent: str, status: AgentStatus) -> None:
-        if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
+        if self._is_own(agent, status.swarm):
             if agent not in self.statuses:
                 self._newest_at = time.monotonic()
                 self.unheard.pop(agent, None)
             known = self.statuses.get(agent)
             if known is None or not is_older(status, known):
                 self.statuses[agent] = status
-            self.strangers.pop(agent, None)
         else:
-            self.strangers[agent] = status.swarm
             self.statuses.pop(agent, None)
 
     def signs_of_life(self, *, has_world: bool = False) -> SignsOfLife:
@@ -105,16 +100,6 @@ class AgentPresence:
             self.prefix,
             lambda name, owner: is_own(owner, self.identity, started_by_it=name in started),
         )
-
-    def refuse_strangers(self, agents: Iterable[str]) -> None:
-        """Check that none of these agents is known to belong to another swarm.
-
-        Raises:
-            SwarmError: if one does; names both swarms.
-        """
-        for agent in agents:
-            if agent in self.strangers:
-                raise other_swarm(agent, self.strangers[agent], self.identity)
 
     def discover(self) -> None:
         """Look for new agents."""

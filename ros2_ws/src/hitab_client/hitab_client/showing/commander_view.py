@@ -8,8 +8,8 @@ from typing import Any
 
 from hitab_msgs.msg import CommanderStatus, Subordinate
 
-from hitab_client.connecting.identity import is_own
 from hitab_client.connecting.ros_link import RosLink
+from hitab_client.showing.swarm_listener import SwarmListener
 from hitab_core import some
 from hitab_ros import names, qos
 from hitab_ros.names import GROUP
@@ -18,7 +18,7 @@ from hitab_ros.timing import POLL_S
 GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"
 
 
-class CommanderView:
+class CommanderView(SwarmListener):
     """Listens to all commanders of a swarm.
 
     Args:
@@ -29,25 +29,21 @@ class CommanderView:
     Attributes:
         groups: each commander's latest report about its group, by name.
         incomplete: the watched commanders that have not heard from all their subordinates yet.
-        strangers: the swarm of each commander that belongs to another swarm, by name.
     """
 
     def __init__(self, link: RosLink, prefix: str = "", identity: str = "") -> None:
-        self._identity = identity
+        super().__init__(link, prefix, identity)
         self.groups: dict[str, CommanderStatus] = {}
         self.incomplete: dict[str, None] = {}
-        self.strangers: dict[str, str] = {}
-        self._link = link
-        self._prefix = prefix
         self._watched: set[str] = set()
 
     def discover(self) -> None:
         """Look for new commanders."""
         ending = f"/{GROUP}"
-        for topic in self._link.topics_of_type(GROUP_TYPE):
-            if not topic.startswith(self._prefix + "/") or not topic.endswith(ending):
+        for topic in self.link.topics_of_type(GROUP_TYPE):
+            if not topic.startswith(self.prefix + "/") or not topic.endswith(ending):
                 continue
-            name = topic[len(self._prefix) + 1 : -len(ending)]
+            name = topic[len(self.prefix) + 1 : -len(ending)]
             if "/" not in name:
                 self.watch([name])
 
@@ -56,18 +52,16 @@ class CommanderView:
         for commander in set(commanders) - self._watched:
             self._watched.add(commander)
             self.incomplete[commander] = None
-            topic = names.of_agent(commander, GROUP, self._prefix)
-            self._link.subscribe(CommanderStatus, topic, self._take, qos.LATCHED)
+            topic = names.of_agent(commander, GROUP, self.prefix)
+            self.link.subscribe(CommanderStatus, topic, self._take, qos.LATCHED)
 
     def _take(self, group: CommanderStatus) -> None:
-        if is_own(group.swarm, self._identity, started_by_it=False):
+        if self._is_own(group.commander, group.swarm):
             self.groups[group.commander] = group
             if any(member.silent for member in group.subordinates):
                 self.incomplete[group.commander] = None
             else:
                 self.incomplete.pop(group.commander, None)
-        else:
-            self.strangers[group.commander] = group.swarm
 
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders, discovered or expected, have reported."""
@@ -83,11 +77,11 @@ class CommanderView:
         def missing() -> str:
             return some(sorted(wanted - self.groups.keys())) or "commanders to appear"
 
-        if not self._link.spin_until(complete, seconds, waiting_for=missing) or not wanted:
+        if not self.link.spin_until(complete, seconds, waiting_for=missing) or not wanted:
             # A commander discovered a little later belongs in the tree, too.
-            self._link.spin_until(lambda: False, POLL_S)
+            self.link.spin_until(lambda: False, POLL_S)
             self.discover()
-            self._link.spin_until(lambda: self._watched <= self.groups.keys(), POLL_S)
+            self.link.spin_until(lambda: self._watched <= self.groups.keys(), POLL_S)
 
 
 @dataclass(frozen=True)

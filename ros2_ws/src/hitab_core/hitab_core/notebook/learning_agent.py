@@ -130,10 +130,7 @@ class LearningAgent:
                     f'all features of domain "{self.agent.domain.name}" have parameters; say '
                     'which to use, for example features=["DistanceTo(ball)"]'
                 )
-        bound = dict(parameters or {})
-        curriculum = Curriculum.parse(
-            behavior, features, states, bound, bound.values(), classifier
-        )
+        curriculum = Curriculum.parse(behavior, features, states, parameters or {}, classifier)
         if self.agent.unsaved and not discard:
             raise TrainingError(
                 f'"{self.agent.training}" has {quantity(self.agent.unsaved, "unsaved example")}; '

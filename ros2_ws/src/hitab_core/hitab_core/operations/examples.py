@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hitab_core.term import Term
-from hitab_core.texts.errors import TrainingError
-from hitab_core.texts.remedies import Fix
 from hitab_core.texts.wording import quantity
 from hitab_core.training.operation import Operation, Outcome
 
@@ -26,7 +24,7 @@ class Undo(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Undo."""
-        session = training_of(agent)
+        session = agent.under_way()
         session.undo()
         return _edited(session, f"undone: {session.log.history.undone[0]}")
 
@@ -37,7 +35,7 @@ class Redo(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Redo."""
-        session = training_of(agent)
+        session = agent.under_way()
         session.redo()
         return _edited(session, f"redone: {session.log.history.done[-1]}")
 
@@ -54,7 +52,7 @@ class DeleteExamples(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Delete the examples."""
-        session = training_of(agent)
+        session = agent.under_way()
         session.delete(self.numbers)
         return _edited(session)
 
@@ -73,7 +71,7 @@ class RelabelExamples(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Change the examples."""
-        session = training_of(agent)
+        session = agent.under_way()
         session.relabel(self.numbers, Term.parse(self.next_state))
         return _edited(session)
 
@@ -92,7 +90,7 @@ class RetimeExamples(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Change the examples."""
-        session = training_of(agent)
+        session = agent.under_way()
         session.retime(self.numbers, self.ago)
         return _edited(session)
 
@@ -109,7 +107,7 @@ class ChooseFeatures(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Choose the features."""
-        session = training_of(agent)
+        session = agent.under_way()
         session.choose_features(list(map(Term.parse, self.features)))
         return _edited(session)
 
@@ -130,23 +128,11 @@ class AnswerQuestion(Operation):
 
     def apply(self, agent: Agent) -> Outcome:
         """Change the examples as the answer says."""
-        session = training_of(agent)
+        session = agent.under_way()
         session.answer(self.number, self.choice, dismiss=self.dismiss)
         if self.dismiss:
             return Outcome(f"question {self.number} is not asked again")
         return Outcome(f"question {self.number}: {_last_edit(session)}")
-
-
-def training_of(agent: Agent) -> TrainingSession:
-    """Return an agent's training under way.
-
-    Raises:
-        TrainingError: if there is none.
-    """
-    if agent.session is None:
-        ways = Fix.RESUME(agent=agent.name), Fix.TRAIN(agent=agent.name)
-        raise TrainingError("it is not training anything", *ways)
-    return agent.session
 
 
 def _edited(session: TrainingSession, done: str = "") -> Outcome:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from hitab_core.library.expectation import broken_expectations
-from hitab_core.operations.examples import training_of
 from hitab_core.running.mode import Mode
 from hitab_core.term import Term
 from hitab_core.texts.errors import TrainingError
@@ -51,7 +50,6 @@ class BeginTraining(Operation):
             self.features,
             self.states,
             self.parameters,
-            self.parameters.values(),
             self.classifier or "tree",
         )
         given_up = _unsaved(agent)
@@ -101,7 +99,7 @@ class Command(Operation):
             raise TrainingError(agent.stopped, Fix.ARM(robot=agent.name))
         given = Given(0, self.seen, self.pace, exact=self.exact, who=self.by)
         taught = agent.command(term, given, unrecorded=self.unrecorded)
-        session = training_of(agent)
+        session = agent.under_way()
         left = taught[0].state if taught else ""
         done = f"{agent.name} performs {term}"
         if taught:
@@ -128,7 +126,7 @@ class Test(Operation):
     def apply(self, agent: Agent) -> Outcome:
         """Learn from the examples, and let the automaton decide."""
         agent.test(restart=self.restart)
-        session, remedies = training_of(agent), []
+        session, remedies = agent.under_way(), []
         done = f'{agent.name} is {agent.mode} "{agent.training}"'
         if open_ones := _open_questions(agent):
             done += f"; it has {open_ones}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from hitab_core.automaton import FLAGS, Automaton
@@ -40,17 +40,19 @@ class Curriculum:
         name: str,
         features: Iterable[str],
         states: Iterable[str],
-        parameters: Iterable[str],
-        arguments: Iterable[str],
+        bindings: Mapping[str, str],
         classifier: str,
     ) -> Curriculum:
         """Return a curriculum whose features and states are given as texts.
+
+        Args:
+            bindings: the target of each parameter during training.
 
         Raises:
             VocabularyError: if a text is not a use of a behavior or feature.
 
         Examples:
-            >>> wanted = Curriculum.parse("GoTo", ["DistanceTo(A)"], [], ["A"], ["ball"], "tree")
+            >>> wanted = Curriculum.parse("GoTo", ["DistanceTo(A)"], [], {"A": "ball"}, "tree")
             >>> wanted.features
             (Term(name='DistanceTo', arguments=('A',)),)
         """
@@ -58,8 +60,8 @@ class Curriculum:
             name,
             tuple(map(Term.parse, features)),
             tuple(map(Term.parse, states)),
-            tuple(parameters),
-            tuple(arguments),
+            tuple(bindings),
+            tuple(bindings.values()),
             classifier,
         )
 

@@ -207,8 +207,7 @@ class Trainer:
     def _check_in_control(self) -> None:
         if self.testing:
             raise TrainingError(
-                f'"{self.curriculum.name}" is being tested; go to training mode to take over '
-                "before commanding"
+                f'"{self.curriculum.name}" is being tested; take over before commanding'
             )
 
     # -- testing mode -----------------------------------------------------------------------

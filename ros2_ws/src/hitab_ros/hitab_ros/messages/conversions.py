@@ -12,15 +12,7 @@ from typing import Any
 from diagnostic_msgs.msg import KeyValue
 from hitab_msgs import msg, srv
 
-from hitab_core import (
-    BoundedNumber,
-    Feature,
-    Fix,
-    Remark,
-    RemarkKind,
-    Remedy,
-    Term,
-)
+from hitab_core import BoundedNumber, Feature, Fix, Remark, RemarkKind, Remedy, Term
 from hitab_core.codec import from_dict
 from hitab_core.training.operation import Operation
 
@@ -116,11 +108,6 @@ def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
         for remedy in remedies_of([m.remedy])
         if m.code in RemarkKind.__members__
     )
-
-
-def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
-    """Return the numbers of a behavior as messages."""
-    return [message_of(msg.Number, number) for number in numbers]
 
 
 def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumber, ...]]:

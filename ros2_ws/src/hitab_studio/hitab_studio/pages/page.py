@@ -193,11 +193,6 @@ class Page:
         """Whether the agent is being trained or tested."""
         return self.status is not None and self.status.mode in ("training", "testing")
 
-    @property
-    def locked(self) -> bool:
-        """Whether another demonstrator holds the agent."""
-        return bool(self._held_by_others(self.agent))
-
     def open_dialog(self, kind: str, **values: Any) -> None:
         """Open a dialog about the agent, with values for the dialog's template."""
         self.dialog = {"kind": kind, "agent": self.agent, **values}
@@ -321,7 +316,7 @@ class Page:
             return CHOOSE_FIRST
         if absent := absence(self.studio.known, self.agent):
             return f"{self.agent} {absent.what}."
-        return self._held_by_others(self.agent) or self.studio.why_busy
+        return self.held_by_others(self.agent) or self.studio.why_busy
 
     async def ask_world(self, what: Callable[[WorldClient], Turns[T]]) -> T:
         """Send a request to the world.
@@ -368,11 +363,12 @@ class Page:
         Raises:
             SwarmError: if another demonstrator holds the agent.
         """
-        if why := self._held_by_others(agent):
+        if why := self.held_by_others(agent):
             raise SwarmError(why)
         self.studio.held.setdefault(agent, self)
 
-    def _held_by_others(self, agent: str) -> str:
+    def held_by_others(self, agent: str) -> str:
+        """Return why this page may not command an agent; "" unless another person holds it."""
         holder = self.studio.held.get(agent, self)
         if self.is_same(holder):
             return ""
@@ -395,11 +391,6 @@ class Page:
             self.dialog["refused"] = why
         else:
             self.tell(why, kind)
-
-    def drop_old_messages(self) -> None:
-        """Remove expired messages."""
-        if self.messages.drop_old():
-            self.touch()
 
     def send(self, message: dict[str, Any]) -> None:
         """Send a message to the field."""

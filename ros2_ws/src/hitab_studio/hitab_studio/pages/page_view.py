@@ -211,7 +211,8 @@ class PageView:
 
     def _refresh(self) -> None:
         page = self._page
-        page.drop_old_messages()
+        if page.messages.drop_old():
+            page.touch()
         self._count += 1
         seen = (self._studio.version, page.version)
         training = page.training

@@ -132,7 +132,7 @@ class Observer:
     def see(self) -> None:
         """Take the newest state of the world."""
         state = self._world.state
-        if state is None or state is self._shown or self._world.stranger is not None:
+        if state is None or state is self._shown or self._world.strangers:
             return
         self._shown = state
         self._signs.hear_known([names.WORLD])
@@ -273,10 +273,10 @@ class Observer:
     def _update_elsewhere(self) -> None:
         """Update the swarms that were started elsewhere, and hide their world."""
         known = self.known
-        if self._world.stranger is not None and known.scene is not None:
+        if self._world.strangers and known.scene is not None:
             self._know(scene=None)
         if known.target is not None and known.target.identity == STARTED_BY_HAND:
-            heard = {*self._agents.strangers.values(), self._world.stranger or ""} - {""}
+            heard = {*self._agents.strangers.values(), *self._world.strangers.values()} - {""}
             if (elsewhere := tuple(sorted(heard))) != known.elsewhere:
                 self._know(elsewhere=elsewhere)
 

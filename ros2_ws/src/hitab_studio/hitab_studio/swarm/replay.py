@@ -18,7 +18,7 @@ from hitab_studio.field.scene import Scene, scene_of
 from hitab_studio.swarm.swarm_state import SwarmState
 
 REPLAYED = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
-STATE, STATUS, TRANSITION, EPISODE = REPLAYED
+STATE, STATUS, _, EPISODE = REPLAYED
 
 
 @dataclass

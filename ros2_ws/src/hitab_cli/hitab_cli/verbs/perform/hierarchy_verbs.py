@@ -52,13 +52,11 @@ def tree(
 
         def drawn() -> list[Any]:
             view.discover()
-            return [
-                _drawn(branch, agents) for branch in _branches(swarm_up, view, commander, lost)
-            ]
+            return [_drawn(branch, agents) for branch in _branches(view, commander, lost)]
 
         if watch:
             swarm_up.watch(drawn)
-        branches = _branches(swarm_up, view, commander, lost)
+        branches = _branches(view, commander, lost)
         data = {"commanders": [branch.data() for branch in branches]}
         console.show(json, data, *(_drawn(branch, agents) for branch in branches))
         for branch in branches if json is None else ():
@@ -85,16 +83,13 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
 
-def _branches(
-    swarm_up: Connection, view: CommanderView, commander: str, lost: Sequence[str]
-) -> list[Branch]:
+def _branches(view: CommanderView, commander: str, lost: Sequence[str]) -> list[Branch]:
     """Return the branch of a commander; all branches if none is named.
 
     Raises:
         SwarmError: if there are no commanders, or not this one; names those that do not answer.
     """
     from hitab_client import tree_of
-    from hitab_client.connecting.identity import other_swarm
 
     tops = tree_of(view.groups)
     all_ = {branch.name: branch for top in tops for branch in top.commanders()}
@@ -104,8 +99,7 @@ def _branches(
         raise SwarmError(f'no commander "{commander}" answers {has(all_, commander)}')
     if lost:
         raise SwarmError("\n".join(lost), Fix.STATUS())
-    for name, swarm in view.strangers.items():
-        raise other_swarm(name, swarm, swarm_up.agents.identity)
+    view.refuse_strangers(view.strangers)
     raise SwarmError(
         "no commander answers; a swarm has commanders if its description has `commanders:`",
         Fix.STATUS(),
