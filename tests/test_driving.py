@@ -149,8 +149,17 @@ def test_keys_train_a_robot_and_drive_it_and_stop_it(desk, terminal):
     assert {v.linear.x for v in desk.velocities} == {0.0}
     terminal.press(b"G")
     terminal.until(lambda: not desk.switch.engaged)
+    # It is refused until the robot has heard of the release, and stands.
+    pressed = time.monotonic()
     terminal.press(b"R")
-    terminal.sees("robot_1 may act")
+
+    def press_again() -> None:
+        nonlocal pressed
+        if time.monotonic() - pressed > 2.0:
+            pressed = time.monotonic()
+            terminal.press(b"R")
+
+    desk.until(lambda: "robot_1 may act" in terminal.read(), press_again)
     terminal.press(KEYS["Forward"])
     terminal.until(lambda: desk.moves(0.5))
     terminal.press(b".")

@@ -1,15 +1,23 @@
 """How the relay of a robot is started."""
 
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from types import SimpleNamespace
 
+import psutil
 import pytest
 from rclpy.parameter import Parameter
 
 from hitab_robots import Drive
-from hitab_robots import relay_process as started_by
+from hitab_robots.relay import relay_process as started_by
+from hitab_robots.relay.process_state import waits_for_cpu_or_disk
 from hitab_robots.settings import RelaySettings
 from hitab_ros import GuardedNode
 from hitab_ros.testing import context_of_its_own
+
+SECONDS = 60.0
 
 
 @pytest.fixture
@@ -41,3 +49,30 @@ def test_a_relay_takes_the_simulated_clock_of_its_agent(command_of):
     command = command_of("-r", "/clock:=/left/clock", use_sim_time=True)
     assert "-p use_sim_time:=true -r /clock:=/left/clock" in command
     assert "-r cmd_vel:=/robot_1/cmd_vel" in command
+
+
+def test_a_process_does_not_hang_while_any_of_its_threads_works():
+    """Its main thread sleeps until the one that wakes it gets a CPU."""
+    program = "import threading, time; print(flush=True); threading.Thread(target={}).start()"
+    for target, works in (("lambda: all(iter(lambda: 1, 0))", True), ("input", False)):
+        command = [sys.executable, "-c", f"{program.format(target)}; threading.Event().wait()"]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+            try:
+                process.stdout.readline()
+                until(lambda pid=process.pid: asleep(pid))
+                until(lambda pid=process.pid, works=works: waits_for_cpu_or_disk(pid) == works)
+            finally:
+                process.kill()
+
+
+def asleep(pid: int) -> bool:
+    """Whether the main thread of a process of two sleeps."""
+    process = psutil.Process(pid)
+    return process.num_threads() == 2 and process.status() == psutil.STATUS_SLEEPING
+
+
+def until(holds: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + SECONDS
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)

@@ -5,7 +5,8 @@ from hitab_msgs.msg import AgentStatus
 from hitab_msgs.srv import Undo
 
 from hitab_core import HitabError
-from hitab_ros import definitions, qos
+from hitab_ros import qos
+from hitab_ros.nodes import definitions
 from hitab_ros.nodes.spinning import make_node
 from hitab_ros.testing import context_of_its_own, wait_until
 
