@@ -98,5 +98,5 @@ def test_a_swarm_has_the_nodes_topics_and_services_of_the_docs_and_no_others(apa
     assert there - topics - of_swarm == {"/parameter_events", "/rosout"}
     of_node = re.compile(rf"({'|'.join(NODES)})/({OF_ROS})")
     offered = {name for name in names_of(seen, "service") if not of_node.fullmatch(name)}
-    assert "/keeper_1/save" in offered
+    assert "/keeper_1/save_behavior" in offered
     assert {in_docs(name) for name in offered} - services == set()

@@ -142,10 +142,13 @@ def _shown(value: float, unit: str, kind: str) -> str:
     return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
 
 
-_RELABEL = "hitab examples relabel keeper_1 5 --to"
+_RELABEL = (
+    "hitab examples relabel keeper_1 5 --to GoSlow",
+    'hitab examples relabel keeper_1 5 --to "RunTowards(direction=40)"',
+)
 for _verb in (
     operates(DeleteExamples, "hitab examples delete keeper_1 3 4"),
-    operates(RelabelExamples, f"{_RELABEL} GoSlow", f'{_RELABEL} "RunTowards(direction=40)"'),
+    operates(RelabelExamples, *_RELABEL),
     operates(RetimeExamples, "hitab examples retime keeper_1 5 --ago 0.4"),
 ):
     app.command()(_verb(say_done))
