@@ -148,18 +148,9 @@ def test_keys_train_a_robot_and_drive_it_and_stop_it(desk, terminal):
     desk.until(lambda: len(desk.velocities) > 10, lambda: terminal.press(UP))
     assert {v.linear.x for v in desk.velocities} == {0.0}
     terminal.press(b"G")
-    terminal.until(lambda: not desk.switch.engaged)
-    # It is refused until the robot has heard of the release, and stands.
-    pressed = time.monotonic()
+    terminal.until(lambda: desk.has_fault("waits to be armed"))  # it has heard of the release
     terminal.press(b"R")
-
-    def press_again() -> None:
-        nonlocal pressed
-        if time.monotonic() - pressed > 2.0:
-            pressed = time.monotonic()
-            terminal.press(b"R")
-
-    desk.until(lambda: "robot_1 may act" in terminal.read(), press_again)
+    terminal.sees("robot_1 may act")
     terminal.press(KEYS["Forward"])
     terminal.until(lambda: desk.moves(0.5))
     terminal.press(b".")

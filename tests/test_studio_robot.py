@@ -210,13 +210,16 @@ def test_a_robot_is_seen_on_its_map_with_its_camera_and_nothing_asks_for_a_world
     person.sees(
         "waits", "scan has no value, and the robot must not drive without it; that is over"
     )
-    # A sensor of a starved robot may fall silent again meanwhile; then the robot waits again.
-    waits = page.locator('[data-test="waits"]')
+    # A sensor of a starved robot may fall silent again; then the person re-arms it again.
+    armed_for = ""
 
     def moves_again() -> bool:
-        if page.locator('[data-test="arm"]:enabled').count():
-            person.click("arm")
-        return waits.count() == 0
+        nonlocal armed_for
+        waits = page.evaluate("document.querySelector('[data-test=waits]')?.innerText ?? ''")
+        if waits != armed_for and "that is over" in waits:
+            page.evaluate("document.querySelector('[data-test=arm]').click()")
+        armed_for = waits
+        return not waits
 
     person.waits_until(moves_again, "it may act", SECONDS)
     person.click("camera-caption")

@@ -6,7 +6,7 @@ import pytest
 from bodies import UnseeingBody
 from hitab_msgs import msg, srv
 
-from hitab_agent import status_publisher
+from hitab_agent.topics import status_publisher
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.operations import BeginTraining, Command, Perform, Redo, Undo
 from hitab_ros import names, qos

@@ -2,7 +2,8 @@
 
 import pytest
 
-from hitab_core import installation, installed_as, way_to_install
+from hitab_core import installed_as, way_to_install
+from hitab_core.library import installation
 
 
 @pytest.mark.parametrize(

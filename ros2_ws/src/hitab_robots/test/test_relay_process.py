@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from types import SimpleNamespace
 
 import psutil
@@ -53,26 +52,17 @@ def test_a_relay_takes_the_simulated_clock_of_its_agent(command_of):
 
 def test_a_process_does_not_hang_while_any_of_its_threads_works():
     """Its main thread sleeps until the one that wakes it gets a CPU."""
-    program = "import threading, time; print(flush=True); threading.Thread(target={}).start()"
+    program = "import threading; threading.Thread(target={}).start(); threading.Event().wait()"
     for target, works in (("lambda: all(iter(lambda: 1, 0))", True), ("input", False)):
-        command = [sys.executable, "-c", f"{program.format(target)}; threading.Event().wait()"]
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        command = [sys.executable, "-c", program.format(target)]
+        with subprocess.Popen(command, stdin=subprocess.PIPE) as process:
+            there, deadline = psutil.Process(process.pid), time.monotonic() + SECONDS
             try:
-                process.stdout.readline()
-                until(lambda pid=process.pid: asleep(pid))
-                until(lambda pid=process.pid, works=works: waits_for_cpu_or_disk(pid) == works)
+                while not (
+                    there.num_threads() == 2
+                    and there.status() == psutil.STATUS_SLEEPING
+                    and waits_for_cpu_or_disk(process.pid) == works
+                ):
+                    assert time.monotonic() < deadline
             finally:
                 process.kill()
-
-
-def asleep(pid: int) -> bool:
-    """Whether the main thread of a process of two sleeps."""
-    process = psutil.Process(pid)
-    return process.num_threads() == 2 and process.status() == psutil.STATUS_SLEEPING
-
-
-def until(holds: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + SECONDS
-    while not holds():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)

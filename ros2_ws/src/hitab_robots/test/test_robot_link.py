@@ -14,7 +14,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
 from hitab_core import Domain, Repertoire
-from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range, relay_process
+from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range
+from hitab_robots.relay import relay_process
 from hitab_robots.relay.velocity_relay import VelocityRelay
 from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC
 from hitab_ros import GuardedNode, make_node

@@ -14,9 +14,9 @@ from hitab_client.connecting.identity import STARTED_BY_HAND
 from hitab_client.errors import SwarmError
 from hitab_client.runs.run_folder import RunFolder, RunRecord
 from hitab_core.operations import Perform
-from hitab_studio import swarm_finder
 from hitab_studio.pages.page_view import perform
 from hitab_studio.studio import Studio
+from hitab_studio.swarm import swarm_finder
 from hitab_studio.swarm.swarm_finder import Finder, SwarmTarget
 from hitab_studio.swarm.swarm_link import SwarmLink
 from hitab_studio.views import render
