@@ -148,7 +148,7 @@ def test_keys_train_a_robot_and_drive_it_and_stop_it(desk, terminal):
     desk.until(lambda: len(desk.velocities) > 10, lambda: terminal.press(UP))
     assert {v.linear.x for v in desk.velocities} == {0.0}
     terminal.press(b"G")
-    terminal.until(lambda: not desk.switch.engaged)
+    terminal.until(lambda: desk.has_fault("waits to be armed"))  # it has heard of the release
     terminal.press(b"R")
     terminal.sees("robot_1 may act")
     terminal.press(KEYS["Forward"])

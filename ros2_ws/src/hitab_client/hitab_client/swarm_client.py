@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -20,8 +21,8 @@ from hitab_core import Fix
 from hitab_core.codec import from_dict
 from hitab_core.operations import Command, Distribute, LoadLibrary
 from hitab_core.training.operation import Operation
-from hitab_ros import BusyTimeout, names, qos
-from hitab_ros.call import Turns, blocking, turn
+from hitab_ros import names, qos
+from hitab_ros.call import RequestRefused, Turns, blocking, turn
 from hitab_ros.messages.conversions import request_of
 from hitab_ros.timing import ANSWER_S, DISCOVERY_S
 
@@ -93,18 +94,21 @@ class SwarmClient(AgentPresence):
             await self.link.until(lambda: agent not in world.missing, seconds)
         operation = replace(operation, by=operation.by or self.demonstrator)
         service = getattr(srv, type(operation).__name__)
-        request, deadline = request_of(operation), BusyTimeout(seconds)
+        request, end, left = request_of(operation), time.monotonic() + seconds, seconds
         while True:
             try:
                 return await self.ask.coroutine(
-                    agent, service, operation.name, request, seconds=seconds
+                    agent, service, operation.name, request, seconds=left
                 )
-            except SwarmError:
+            except RequestRefused as error:
                 # An agent that was restarted in a training gets its first percept a moment later.
-                has_perceived = self.statuses[agent].perceived
-                if has_perceived or not isinstance(operation, Command) or not deadline.step(1.0):
+                # Its status on the topic may be newer than its refusal.
+                is_blind = isinstance(operation, Command) and not error.answer.status.perceived
+                left = end - time.monotonic()
+                if not is_blind or left <= 0.0:
                     raise
-            await self.link.until(lambda: self.statuses[agent].perceived, deadline.step(seconds))
+                if not await self.link.until(lambda: self.statuses[agent].perceived, left):
+                    raise
 
     @blocking
     async def ask(

@@ -127,6 +127,23 @@ def test_a_command_is_sent_again_to_an_agent_that_had_perceived_nothing_but_is_r
         swarm.do("keeper", Command("GoFast"))
 
 
+def test_a_command_is_sent_again_if_the_agent_has_perceived_since_its_refusal():
+    """The status on the topic may be faster than the refusal."""
+    blind = srv.Command.Response(message="nothing perceived yet", status=status_of(4))
+    link = Link(blind, srv.Command.Response(success=True, message="done"))
+    assert client(link).do("keeper", Command("GoFast")).message == "done"
+    (first, _), (second, _) = link.sent
+    assert first is second  # with the id that the first call gave it
+
+
+def test_waiting_for_a_percept_takes_no_longer_than_the_timeout():
+    blind = srv.Command.Response(message="nothing perceived yet", status=status_of(6))
+    link = Link(*[blind] * 2)
+    with pytest.raises(SwarmError, match="nothing perceived yet"):
+        client(link).do("keeper", Command("GoFast"))
+    assert len(link.sent) == 1
+
+
 def test_the_status_in_an_answer_is_not_replaced_by_an_older_one_from_the_topic():
     """The topic and the service are two connections, so that their messages may be reordered."""
     link = Link(srv.Test.Response(success=True, status=status_of(9, mode="testing")))

@@ -34,7 +34,13 @@ class SwarmError(HitabError):
 
 
 class RequestRefused(SwarmError):
-    """An answer of a service that has not done what was asked."""
+    """An answer of a service that has not done what was asked.
+
+    Attributes:
+        answer: the answer.
+    """
+
+    answer: Any = None
 
 
 def refused(answer: Any, where: str = "") -> RequestRefused:
@@ -48,7 +54,9 @@ def refused(answer: Any, where: str = "") -> RequestRefused:
         remedies_of,  # here because the help imports this module
     )
 
-    return RequestRefused(answer.message, *remedies_of(answer.remedies), where=where)
+    error = RequestRefused(answer.message, *remedies_of(answer.remedies), where=where)
+    error.answer = answer
+    return error
 
 
 @types.coroutine

@@ -94,6 +94,9 @@ class Running:
                 qos.CYCLE,
             )
         self.peer.create_subscription(msg.WorldStatus, f"/{names.STATUS}", self._hear, qos.LATCHED)
+        # One timer for all waits: that of an earlier wait may still be called once destroyed.
+        self.look: Callable[[], None] = lambda: None
+        self.peer.create_timer(0.01, lambda: self.look())
 
     def _answer(self, agent: str, percept: msg.Percept) -> None:
         if self.slow:
@@ -113,16 +116,18 @@ class Running:
         """Run the world until a condition holds."""
         clock = self.peer.get_clock()
         end = clock.now().nanoseconds + int(SECONDS * 1e9)
+        held = False
 
         def look() -> None:
-            if condition() or clock.now().nanoseconds > end:
+            nonlocal held
+            held = bool(condition())
+            if held or clock.now().nanoseconds > end:
                 self.spinning.stop()
 
-        timer = self.peer.create_timer(0.01, look)
+        self.look = look
         self.spinning.stopped = False
         self.node.run(self.spinning)
-        self.peer.destroy_timer(timer)
-        assert condition(), f"it did not happen in time: {self.status}"
+        assert held, f"it did not happen in time: {self.status}"
 
     def plays(self) -> None:
         """Wait until ten more cycles have been played with all agents."""

@@ -54,7 +54,7 @@ async def command(
     """
     status = await agents.await_agent.coroutine(agent)
     if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
-        await agents.do.coroutine(agent, Perform(behavior, id=id, by=by))
+        await agents.do.coroutine(agent, Perform(behavior, id=id, by=by), seconds=seconds)
         kept = (
             f': t continues that of "{status.training.automaton}"'
             if status.training.automaton
@@ -62,7 +62,7 @@ async def command(
         )
         return f"{agent} performs {behavior}; it learns from commands only in training{kept}"
     if status.mode == AgentStatus.TESTING:
-        await agents.do.coroutine(agent, TakeOver(by=by))
+        await agents.do.coroutine(agent, TakeOver(by=by), seconds=seconds)
     paused = world.status is not None and world.status.mode == WorldState.PAUSED
     meant = Command(
         behavior,

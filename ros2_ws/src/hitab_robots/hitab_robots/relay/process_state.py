@@ -10,9 +10,12 @@ faster even on a busy machine."""
 
 
 def waits_for_cpu_or_disk(pid: int) -> bool:
-    """Return whether a process waits for a CPU or a disk, instead of hanging."""
+    """Return whether a thread of a process waits for a CPU or a disk, so that it does not hang.
+
+    The main thread sleeps while the one that wakes it, for a timer or a message, is starved.
+    """
     try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][:1]
+        states = [file.read_text() for file in Path(f"/proc/{pid}/task").glob("*/stat")]
     except OSError:
         return False
-    return state in ("R", "D")
+    return any(state.rpartition(") ")[2][:1] in ("R", "D") for state in states)
