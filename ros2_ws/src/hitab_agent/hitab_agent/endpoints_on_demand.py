@@ -50,11 +50,13 @@ class EndpointsOnDemand:
 
     def look(self) -> None:
         """Look for the other ends."""
-        for service, _ in self._host.get_service_names_and_types():
+        services = self._host.get_service_names_and_types() if self._services else ()
+        for service, _ in services:
             offer = self._services.get(service.rpartition("/")[0])
             if offer is not None:
                 offer()
-        for topic, _ in self._host.get_topic_names_and_types():
+        topics = self._host.get_topic_names_and_types() if self._topics else ()
+        for topic, _ in topics:
             offer = self._topics.pop(topic, None)
             if offer is not None:
                 offer()

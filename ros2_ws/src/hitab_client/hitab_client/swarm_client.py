@@ -137,6 +137,8 @@ class SwarmClient(AgentPresence):
                 over=lambda: self.processes.is_lost(agent),
                 heard=lambda answer: self._take_answer(agent, answer),
             )
+        except RequestRefused:
+            raise  # so its process is there
         except SwarmError as error:
             raise self.processes.reason(agent) or error from None
 

@@ -186,9 +186,9 @@ def test_a_world_of_hosts_does_not_play_before_they_are_there():
         stamp = running.status.stamp
         running.until(lambda: running.status.cycle or running.status.stamp is not stamp)
         assert running.world.cycle == 0
-        peer.create_subscription(msg.PerceptBatch, "/farm/percepts", lambda batch: None, qos.CYCLE)
+        peer.create_subscription(msg.PerceptBatch, "/crew/percepts", lambda batch: None, qos.CYCLE)
         rosters = peer.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
-        rosters.publish(msg.HostRoster(host="farm", number=1, agents=["a"]))
+        rosters.publish(msg.HostRoster(host="crew", number=1, agents=["a"]))
         running.until(lambda: running.world.cycle)
 
 
