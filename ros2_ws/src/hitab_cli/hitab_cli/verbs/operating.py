@@ -13,10 +13,8 @@ import typer
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
 from hitab_client.terminal.cli_options import AgentName, SwarmName
+from hitab_core.operations import MOMENT
 from hitab_core.training.operation import Operation, is_required
-
-_UNASKED = {"seen", "pace", "exact"}
-"""Fields that verbs do not set: a command counts when it arrives."""
 
 _PARAMETERS: dict[str, Any] = {
     "behavior": typer.Argument(),
@@ -55,7 +53,7 @@ def operates(kind: type[Operation], *examples: str) -> Callable[[Callable[..., A
         examples: calls of the verb; its help is then the operation's docstring. Without examples,
             the help is the function's docstring.
     """
-    asked = [f for name, f in kind.own_fields().items() if name not in _UNASKED]
+    asked = [f for name, f in kind.own_fields().items() if name not in MOMENT]
 
     def decorated(function: Callable[..., Any]) -> Any:
         def verb(agent: str, swarm: str | None, **given: Any) -> None:

@@ -45,7 +45,7 @@ from hitab_core.library.yaml_models import (
     read_use,
 )
 from hitab_core.library.yaml_places import read_text, read_yaml
-from hitab_core.operations import OPERATIONS
+from hitab_core.operations import MOMENT, OPERATIONS
 from hitab_core.training.operation import Operation, is_required
 
 LESSON_FORMAT = 3
@@ -175,7 +175,7 @@ _OBJECT = re.compile("_(training|examples|question|behavior)$")
 _KEYS = {"automaton": "name", "bindings": "bind"}
 """Keys in lessons for fields of operations that do not have their names."""
 
-_UNWRITTEN = {"discard", "seen", "pace", "exact"}
+_UNWRITTEN = MOMENT | {"discard"}
 """Fields of operations that lessons do not set: the player discards, and acts without delay."""
 
 _SIMPLE = {"bool": bool, "int": int, "float": float, "str": str}

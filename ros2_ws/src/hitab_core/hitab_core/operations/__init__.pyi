@@ -10,6 +10,7 @@ from .performing import LoadLibrary as LoadLibrary
 from .performing import Perform as Perform
 from .performing import SetCaution as SetCaution
 from .table import OPERATIONS as OPERATIONS
+from .training import MOMENT as MOMENT
 from .training import BeginTraining as BeginTraining
 from .training import Command as Command
 from .training import DiscardTraining as DiscardTraining

@@ -18,6 +18,9 @@ from hitab_core.training.operation import Operation, Outcome
 if TYPE_CHECKING:
     from hitab_core.agent import Agent
 
+MOMENT = frozenset({"seen", "pace", "exact"})
+"""Fields of a command that tell for which percept it is meant; by default, for the last one."""
+
 
 @dataclass(frozen=True)
 class BeginTraining(Operation):
