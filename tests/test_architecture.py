@@ -60,7 +60,7 @@ BUDGET = {
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1550,
+    "hitab_ros": 1600,
     "hitab_studio": 4400,
     "hitab_world": 1800,
     "keepaway_world": 1350,

@@ -73,10 +73,9 @@ def start(spinning: Spinner) -> None:
     for node in nodes:
         node.join()
     for link in shared.links.values():
-        link.announce()
-    # The roster for a world omits commanders and robots' agents, so name them here.
-    others = [node.agent_name for node in nodes if node.agent.domain.link]
-    give_signs_of_life(desk, swarm, others)
+        link.listen()
+    shared.roster.publish()
+    give_signs_of_life(desk, swarm)
     # The objects made so far stay, and collecting over them would take longer than a cycle.
     # Reference counting frees the objects of a cycle; only errors leave reference cycles, whose
     # collection is not urgent.

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
+from hitab_agent.host.roster_topic import RosterTopic
 from hitab_agent.links.order_subscriptions import OrderSubscriptions
 from hitab_agent.links.report_outbox import ReportOutbox
 from hitab_agent.node.agent_base import AgentBase
@@ -41,6 +42,7 @@ class HostResources:
         diagnostics: publishes the agents' faults.
         on_demand: creates services and topics for those who ask; None if each agent offers its own
             at once.
+        roster: publishes a host's roster; None if the process is no host.
         links: the links of a host's agents to their worlds, by the world's name.
         domains: the loaded domains, by name.
         logged: faults of libraries that are in the log.
@@ -67,7 +69,7 @@ class HostResources:
         self.links: dict[str, HostLink] = {}
         self.domains: dict[str, Domain] = {}
         self.logged: set[str] = set()
-        self._swarm = swarm
+        self.roster = RosterTopic(node, self.nodes, swarm) if agents else None
         self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
         self._readers: dict[int, LibraryReader] = {}
         if agents:
@@ -95,7 +97,10 @@ class HostResources:
             from hitab_agent.host.host_link import HostLink  # only hosts need this import
 
             name = names.own_name(host)
-            self.links[world] = HostLink(host, name, world, self.outbox, self.orders, self._swarm)
+            assert self.roster is not None, "only hosts have such links"
+            self.links[world] = HostLink(
+                host, name, world, self.outbox, self.orders, self.nodes, self.roster
+            )
         return self.links[world]
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:

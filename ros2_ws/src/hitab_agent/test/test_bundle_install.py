@@ -213,7 +213,8 @@ def test_percepts_are_answered_while_a_distribution_is_taken_in(host, tmp_path):
     answered: list[int] = []
     desk = host.desk
     desk.create_subscription(msg.HostRoster, f"/{names.HOSTS}", rosters.append, qos.LATCHED)
-    link.announce()
+    link.listen()
+    host.shared.roster.publish()
     host.process.until(lambda: rosters)
     percepts = desk.create_publisher(
         msg.PerceptBatch, f"/{rosters[0].host}/{names.PERCEPTS}", qos.CYCLE

@@ -80,7 +80,8 @@ class Swarm:
         desk.create_subscription(
             msg.ActionBatch, f"/world/{names.ACTION_BATCHES}", self.answers.append, qos.CYCLE
         )
-        self.link.announce()
+        self.link.listen()
+        shared.roster.publish()
         process.until(lambda: self.rosters)
         topic = f"/{self.rosters[0].host}/{names.PERCEPTS}"
         self.arrived: list[msg.PerceptBatch] = []

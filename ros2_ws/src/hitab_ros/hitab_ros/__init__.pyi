@@ -36,6 +36,7 @@ from .presence import ListenedTime as ListenedTime
 from .presence import Presence as Presence
 from .presence import Receivers as Receivers
 from .presence import SignsOfLife as SignsOfLife
+from .presence import HostRosters as HostRosters
 from .presence import give_signs_of_life as give_signs_of_life
 from .presence import give_signs_of_operator as give_signs_of_operator
 from .presence import suspensions_noticed as suspensions_noticed

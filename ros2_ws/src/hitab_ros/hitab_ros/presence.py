@@ -31,6 +31,8 @@ NAMES_MAX = 100_000
 
 HOSTS_MAX = 5000
 
+Fill = Callable[[Alive], object]
+
 ROSTERS = QoSProfile(
     depth=HOSTS_MAX, reliability=qos.LATCHED.reliability, durability=qos.LATCHED.durability
 )
@@ -111,6 +113,49 @@ class Presence:
         return found
 
 
+class HostRosters:
+    """Rosters of a swarm's hosts: which process runs an agent or commander.
+
+    Args:
+        node: node to subscribe with.
+        topic: full name of the topic of rosters.
+        accept: whether a roster is of the swarm; by default, all are.
+        changed: called with each accepted roster.
+
+    Attributes:
+        members: the names of each host's agents and commanders, by host.
+        host_of: the host of each agent and commander, by name.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: str,
+        accept: Callable[[HostRoster], bool] = lambda roster: True,
+        changed: Callable[[HostRoster], object] = lambda roster: None,
+    ) -> None:
+        self.members: dict[str, tuple[str, ...]] = {}
+        self.host_of: dict[str, str] = {}
+        self._numbers: dict[str, int] = {}
+        self._accept = accept
+        self._changed = changed
+        node.create_subscription(HostRoster, topic, self._take, ROSTERS)
+
+    def _take(self, roster: HostRoster) -> None:
+        host, known = roster.host, self._numbers.get(roster.host)
+        if known is None and len(self._numbers) >= HOSTS_MAX:
+            return
+        if (known is not None and roster.number <= known) or not self._accept(roster):
+            return
+        self._numbers[host] = roster.number
+        for name in self.members.get(host, ()):
+            if self.host_of.get(name) == host:
+                del self.host_of[name]
+        self.members[host] = tuple(roster.agents)
+        self.host_of.update(dict.fromkeys(roster.agents, host))
+        self._changed(roster)
+
+
 class SignsOfLife(Presence):
     """Presence of a swarm's agents, commanders and world, by their processes' signs of life.
 
@@ -127,26 +172,23 @@ class SignsOfLife(Presence):
     def __init__(self, node: Node, prefix: str, is_own: Callable[[str, str], bool]) -> None:
         super().__init__()
         self._is_own = is_own
-        self._members: dict[str, frozenset[str]] = {}  # by host
         rosters, alive = (names.of_swarm(name, prefix) for name in (names.HOSTS, names.ALIVE))
-        node.create_subscription(HostRoster, rosters, self._take_roster, ROSTERS)
+        self._rosters = HostRosters(
+            node, rosters, lambda roster: is_own("", roster.swarm), self._is_host
+        )
         node.create_subscription(Alive, alive, self._take_sign, qos.SIGNS_OF_LIFE)
 
-    def _take_roster(self, roster: HostRoster) -> None:
-        host, known = roster.host, self._members.get(roster.host, frozenset())
-        if (known or len(self._members) < HOSTS_MAX) and self._is_own("", roster.swarm):
-            self._members[host] = known | frozenset(roster.agents)
-            if host not in self._members[host]:
-                self.last_signs.pop(host, None)
+    def _is_host(self, roster: HostRoster) -> None:
+        if roster.host not in roster.agents:
+            self.last_signs.pop(roster.host, None)
 
     def _take_sign(self, sign: Alive) -> None:
-        for process in (sign.process, *sign.agents):
-            if self._is_own(process, sign.swarm):
-                for name in self._members.get(process, (process,)):
-                    self.hear(name)
+        if self._is_own(sign.process, sign.swarm):
+            for name in self._rosters.members.get(sign.process, (sign.process,)):
+                self.hear(name)
 
 
-def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) -> None:
+def give_signs_of_life(node: Node, swarm: str = "", fill: Fill = lambda sign: None) -> None:
     """Publish signs of life from now on, in the name of a node's agent, host or world.
 
     Signs come from the thread that handles the node's other events, so a process that hangs in an
@@ -155,10 +197,10 @@ def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) 
     Args:
         node: node that represents its process; the last part of its namespace is the name.
         swarm: identity of the node's swarm, or empty.
-        others: further names that represent the process, such as those of a host's commanders.
+        fill: called with each sign before it is sent, to complete it.
     """
-    sign = Alive(process=names.own_name(node), agents=list(others), swarm=swarm)
-    _give(node, names.in_swarm(node, names.ALIVE), sign, lambda: True)
+    sign = Alive(process=names.own_name(node), swarm=swarm)
+    _give(node, names.in_swarm(node, names.ALIVE), sign, lambda: True, fill)
 
 
 def give_signs_of_operator(node: Node, prefix: str, is_present: Callable[[], object]) -> None:
@@ -173,11 +215,18 @@ def give_signs_of_operator(node: Node, prefix: str, is_present: Callable[[], obj
     _give(node, topic, Alive(process=node.get_name()), is_present)
 
 
-def _give(node: Node, topic: str, sign: Alive, is_present: Callable[[], object]) -> None:
+def _give(
+    node: Node,
+    topic: str,
+    sign: Alive,
+    is_present: Callable[[], object],
+    fill: Fill = lambda sign: None,
+) -> None:
     publisher = node.create_publisher(Alive, topic, qos.SIGNS_OF_LIFE)
 
     def show() -> None:
         if is_present():
+            fill(sign)
             publisher.publish(sign)
 
     steady_timer(node, HEARTBEAT_S, show)  # by the machine's clock: a paused world is alive, too

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from array import array
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
@@ -11,6 +10,7 @@ from typing import Any, TypeVar
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from hitab_agent.host.roster_topic import RosterTopic
 from hitab_agent.links.order_subscriptions import OrderSubscriptions
 from hitab_agent.links.report_outbox import ReportOutbox
 from hitab_agent.links.round_gate import RoundGate
@@ -41,9 +41,10 @@ class HostLink:
         world: str,
         outbox: ReportOutbox,
         orders: OrderSubscriptions,
-        swarm: str = "",
+        nodes: Sequence[AgentBase],
+        roster: RosterTopic,
     ) -> None:
-        """Create the publishers; no percepts arrive before `announce`.
+        """Create the publisher; no percepts arrive before `listen`.
 
         Args:
             host: a node of the process, in the swarm's namespace or in one of its own below it.
@@ -51,58 +52,38 @@ class HostLink:
             world: name of the world.
             outbox: the process's outbox, which is held while all act.
             orders: the process's subscriptions to orders.
-            swarm: identity of the agents' swarm; empty if none.
+            nodes: the nodes of all agents of the host, in the order of its roster.
+            roster: the roster, to which the percepts refer.
         """
-        self._swarm = swarm
         self._host = host
         self._name = name
         self._outbox = outbox
         self._gate = RoundGate(orders)
-        self._nodes: list[AgentBase] = []
+        self._nodes = nodes
+        self._roster = roster
         # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
         self._percept = SimpleNamespace()
         self._episode: tuple[int, int] | None = None
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
         )
-        self._rosters = host.create_publisher(
-            msg.HostRoster, names.in_swarm(host, names.HOSTS), qos.LATCHED
-        )
         self._answers = msg.ActionBatch(host=name)
 
-    def add(self, node: AgentBase) -> None:
-        """Make an agent perceive and act from the next announcement on."""
-        self._nodes.append(node)
-
-    def announce(self) -> None:
-        """Announce the agents to the world, and listen."""
+    def listen(self) -> None:
+        """Listen to the world."""
         self._host.create_subscription(
             msg.PerceptBatch,
             names.in_swarm(self._host, self._name, names.PERCEPTS),
             self._on_percepts,
             LATEST_ONLY_QOS,
         )
-        self._publish_roster()
-
-    def _publish_roster(self, after: int = 0) -> None:
-        # The number is the time of day, so that a restarted host has a higher one.
-        self._answers.roster = max(time.time_ns(), after + 1)
-        self._rosters.publish(
-            msg.HostRoster(
-                host=self._name,
-                number=self._answers.roster,
-                agents=[node.agent_name for node in self._nodes],
-                swarm=self._swarm,
-            )
-        )
 
     def _on_percepts(self, batch: msg.PerceptBatch) -> None:
-        answers = self._answers
-        if batch.roster != answers.roster:
+        if batch.roster != self._roster.number:
             # The percepts are meant for an earlier process of this name or, if the number is
             # higher, for a roster that another process has published in this host's name.
-            if batch.roster > answers.roster and not too_far_ahead(batch.roster):
-                self._publish_roster(batch.roster)
+            if batch.roster > self._roster.number and not too_far_ahead(batch.roster):
+                self._roster.publish(batch.roster)
             return
         if not _is_sound(batch, len(self._nodes)):
             self._host.guard.log(
@@ -150,7 +131,7 @@ class HostLink:
                 if say:
                     speakers.append(index)
                     said.append(say)
-        answers.sequence = batch.sequence
+        answers.roster, answers.sequence = batch.roster, batch.sequence
         answers.agents = batch.agents
         answers.value_counts = counts
         answers.values = done

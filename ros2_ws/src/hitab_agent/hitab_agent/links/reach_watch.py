@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_msgs import msg
 
 from hitab_agent.node.agent_base import AgentBase
-from hitab_ros import Presence, names, qos
+from hitab_ros import HostRosters, Presence, names, qos
 from hitab_ros.timing import HEARTBEAT_S
 
 
@@ -26,12 +26,15 @@ class ReachWatch:
         self._who = self._commander or "the operator"
         self._after = node.settings.out_of_reach_after
         self._presence = Presence(self._after, HEARTBEAT_S)
+        self._rosters = HostRosters(node, names.in_swarm(node, names.HOSTS))
         topic = names.in_swarm(node, names.ALIVE if self._commander else names.OPERATORS)
         node.create_subscription(msg.Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
         node.shared.scheduler.every(HEARTBEAT_S, self._look, node.guard)
 
     def _hear(self, sign: msg.Alive) -> None:
-        if not self._commander or self._commander in (sign.process, *sign.agents):
+        commander = self._commander
+        process = self._rosters.host_of.get(commander, commander)
+        if not commander or sign.process == process:
             self._presence.hear(self._who)
 
     def _look(self) -> None:

@@ -200,7 +200,7 @@ class AgentNode(AgentBase):
                 self.stop = OwnStop(self, rearms=settings.auto_rearm)
             self.stop_changed()
         elif self.shared.host is not None:
-            self.shared.link(self.shared.host, settings.world).add(self)
+            self.shared.link(self.shared.host, settings.world)
         else:
             self._link = WorldLink(self, settings.world)
 

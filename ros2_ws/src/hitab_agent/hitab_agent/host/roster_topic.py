@@ -1,0 +1,44 @@
+"""The topic on which a host publishes which agents it runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from hitab_msgs import msg
+
+from hitab_agent.node.agent_base import AgentBase
+from hitab_ros import GuardedNode, names, qos
+
+
+class RosterTopic:
+    """Publishes a host's roster.
+
+    Attributes:
+        number: number of the last published roster; 0 before the first.
+    """
+
+    def __init__(self, host: GuardedNode, nodes: Sequence[AgentBase], swarm: str) -> None:
+        """Create the publisher.
+
+        Args:
+            host: a node of the host, in its own namespace.
+            nodes: the nodes of all its agents.
+            swarm: identity of the agents' swarm; empty if none.
+        """
+        self.number = 0
+        self._name = names.own_name(host)
+        self._nodes = nodes
+        self._swarm = swarm
+        self._publisher = host.create_publisher(
+            msg.HostRoster, names.in_swarm(host, names.HOSTS), qos.LATCHED
+        )
+
+    def publish(self, after: int = 0) -> None:
+        """Publish the roster with a higher number than any before, and than another one."""
+        # The number is the time of day, so that a restarted host has a higher one.
+        self.number = max(time.time_ns(), self.number + 1, after + 1)
+        agents = [node.agent_name for node in self._nodes]
+        self._publisher.publish(
+            msg.HostRoster(host=self._name, number=self.number, agents=agents, swarm=self._swarm)
+        )
