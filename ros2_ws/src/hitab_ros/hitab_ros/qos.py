@@ -43,6 +43,14 @@ PERCEIVED = QoSProfile(
 )
 """Percepts for a recorder, which may fall behind in a fast lockstep."""
 
+STATUSES = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""Statuses in batches: a new subscriber gets all, however soon they follow."""
+
 SIGNS_OF_LIFE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT
 )
