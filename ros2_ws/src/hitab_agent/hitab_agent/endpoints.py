@@ -117,7 +117,9 @@ class PublishedTopic(Endpoint):
         return observer.count_subscribers(self.name) > 0
 
     def _create(self) -> Any:
-        return self._node.create_publisher(self._kind, self.name, self._profile, temporary=True)
+        return self._node.create_publisher(
+            self._kind, self.short_name, self._profile, temporary=True
+        )
 
     def _destroy(self, end: Any) -> None:
         self._node.destroy_publisher(end)
@@ -159,7 +161,7 @@ class OfferedService(Endpoint):
         return observer.count_clients(self.name) > 0
 
     def _create(self) -> Any:
-        return self._node.create_service(self._kind, self.name, self._serve)
+        return self._node.create_service(self._kind, self.short_name, self._serve)
 
     def _destroy(self, end: Any) -> None:
         self._node.destroy_service(end)

@@ -38,9 +38,7 @@ class RosterTopic:
         self._other = ""
         topic = names.in_swarm(host, names.HOSTS)
         self.others = HostRosters(host, topic, changed=self._hear)
-        self._publisher = host.create_publisher(
-            msg.HostRoster, topic, qos.LATCHED
-        )
+        self._publisher = host.create_publisher(msg.HostRoster, topic, qos.LATCHED)
 
     def publish(self, after: int = 0) -> None:
         """Publish the roster with a higher number than any before, and than another one."""

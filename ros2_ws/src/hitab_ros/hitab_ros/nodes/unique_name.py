@@ -75,7 +75,9 @@ def check_name_is_free(
     for name, swarm in established.items():
         raise _taken(name, swarm, _swarm_of(named[name]))
     topics = {topic for topic, _ in observer.get_topic_names_and_types()}
-    doubtful = [node for node in nodes if _status_of(node) in topics and _participants(node) - ours]
+    doubtful = [
+        node for node in nodes if _status_of(node) in topics and _participants(node) - ours
+    ]
     listeners = []
     for node in doubtful:
         name = names.own_name(node)
