@@ -38,11 +38,14 @@ class AgentEndpoints:
             self._services = {one.short_name: one for part in parts for one in part.endpoints}
         return self._services
 
-    def find(self, name: str) -> Endpoint | None:
-        """Return the topic or service with a name relative to the node, if it has one."""
+    def find(self, name: str, *, is_service: bool) -> Endpoint | None:
+        """Return the topic or the service with a name relative to the node, if it has one."""
+        if is_service:
+            return self.services.get(name)
         if name == names.PERCEIVED:
-            return self._node.percept_log.topic
-        return self.topics.get(name) or self.services.get(name)
+            found: Endpoint = self._node.percept_log.topic
+            return found
+        return self.topics.get(name)
 
     def offer(self) -> None:
         """Open all endpoints, or begin to look for those that somebody asks for.

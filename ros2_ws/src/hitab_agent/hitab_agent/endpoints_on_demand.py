@@ -6,8 +6,6 @@ service; a reliable publisher such as that of ``ros2 topic pub`` waits for its m
 
 from __future__ import annotations
 
-from itertools import chain
-
 from hitab_agent.endpoints import Endpoint
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.scheduler import Scheduler
@@ -17,6 +15,10 @@ from hitab_ros.timing import POLL_S
 UNUSED_LOOKS = 40
 """Looks after which an endpoint that nobody uses any more goes: ten seconds, since most people who
 ask once ask again."""
+
+
+Key = tuple[bool, str]
+"""Whether it is a service, and its full name: a topic and a service may have the same."""
 
 
 class EndpointsOnDemand:
@@ -31,8 +33,8 @@ class EndpointsOnDemand:
         """
         self._host = host
         self._nodes: dict[str, AgentBase] = {}  # by namespace
-        self._open: dict[str, tuple[AgentBase, Endpoint]] = {}
-        self._unused: dict[str, int] = {}  # looks since its last use, by name
+        self._open: dict[Key, tuple[AgentBase, Endpoint]] = {}
+        self._unused: dict[Key, int] = {}  # looks since the last use
         scheduler.every(POLL_S, self.look)
 
     def add(self, node: AgentBase) -> None:
@@ -41,23 +43,27 @@ class EndpointsOnDemand:
 
     def look(self) -> None:
         """Open what is asked for, and close what has not been used for a while."""
-        for name, (node, endpoint) in [*self._open.items()]:
-            unused = 0 if endpoint.is_asked_for(self._host) else self._unused.get(name, 0) + 1
-            self._unused[name] = unused
+        for key, (node, endpoint) in [*self._open.items()]:
+            unused = 0 if endpoint.is_asked_for(self._host) else self._unused.get(key, 0) + 1
+            self._unused[key] = unused
             if unused > UNUSED_LOOKS:
-                del self._open[name], self._unused[name]
-                node.guard.run(f"closing {name}", endpoint.close)
-        if not self._nodes:
-            return
-        host = self._host
-        for name, _ in chain(host.get_topic_names_and_types(), host.get_service_names_and_types()):
-            namespace, _, own = name.rpartition("/")
-            node = self._nodes.get(namespace)
-            if node is not None and name not in self._open:
-                node.guard.run(f"offering {name}", self._offer, node, own)
+                del self._open[key], self._unused[key]
+                node.guard.run(f"closing {key[1]}", endpoint.close)
+        if self._nodes:
+            topics = self._host.get_topic_names_and_types()
+            services = self._host.get_service_names_and_types()
+            for is_service, found in ((False, topics), (True, services)):
+                for name, _ in found:
+                    self._consider(is_service, name)
 
-    def _offer(self, node: AgentBase, name: str) -> None:
-        endpoint: Endpoint | None = node.endpoints.find(name)
+    def _consider(self, is_service: bool, name: str) -> None:
+        namespace, _, own = name.rpartition("/")
+        asked = self._nodes.get(namespace)
+        if asked is not None and (is_service, name) not in self._open:
+            asked.guard.run(f"offering {name}", self._offer, asked, is_service, name, own)
+
+    def _offer(self, node: AgentBase, is_service: bool, full_name: str, name: str) -> None:
+        endpoint: Endpoint | None = node.endpoints.find(name, is_service=is_service)
         if endpoint is not None and endpoint.end is None and endpoint.is_asked_for(self._host):
             endpoint.open()
-            self._open[endpoint.name] = node, endpoint
+            self._open[is_service, full_name] = node, endpoint

@@ -82,7 +82,9 @@ def start(spinning: Spinner) -> Loop:
         node.join()
     for link in shared.links.values():
         link.listen()
-    shared.roster.publish()
+    roster = shared.roster
+    assert roster is not None, "only hosts have one"
+    roster.publish()
     give_signs_of_life(desk, swarm)
     # The objects made so far stay, and collecting over them would take longer than a cycle.
     # Reference counting frees the objects of a cycle; only errors leave reference cycles, whose
@@ -94,7 +96,7 @@ def start(spinning: Spinner) -> Loop:
     def spin(spinning: Spinner) -> int:
         while not spinning.stopped:
             spinning.spin_once()
-            shared.roster.refuse_others()
+            roster.refuse_others()
         return spinning.exit_code
 
     return spin

@@ -86,7 +86,7 @@ def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
     for one, create in ((other, fails), (another, lambda: offered.append("b"))):
         service = OfferedService(one, srv.Perform, "perform", lambda *rest: None)
         one.create_service = lambda *rest, create=create: create()
-        one.endpoints = SimpleNamespace(find={"perform": service}.get)
+        one.endpoints = SimpleNamespace(find=lambda *rest, service=service, **more: service)
         services.add(one)
     for name in ("/a/perform", "/b/perform"):
         node.create_client(srv.Perform, name)
