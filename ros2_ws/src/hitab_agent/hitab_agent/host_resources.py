@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.host.roster_topic import RosterTopic
-from hitab_agent.links.order_subscriptions import OrderSubscriptions
-from hitab_agent.links.report_outbox import ReportOutbox
+from hitab_agent.links.exchange import Exchange
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.scheduler import JobQueue, Scheduler
@@ -17,7 +16,7 @@ from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
 from hitab_ros import GuardedNode, names
 from hitab_ros.nodes.diagnostics import Diagnostics
-from hitab_ros.timing import AT_ONCE_S, TURN_S
+from hitab_ros.timing import AT_ONCE_S
 
 if TYPE_CHECKING:
     from hitab_agent.host.host_link import HostLink
@@ -31,13 +30,13 @@ class HostResources:
     """Timers, publishers and links that a process needs once, however many agents it runs.
 
     Attributes:
+        name: name of the process in its signs of life.
         nodes: the nodes of the agents that have joined.
         host: the node of the host, if the process is one.
         scheduler: calls at fixed rates.
         statuses: publishes changed statuses a little later.
-        orders: receives the orders of commanders.
-        outbox: sends reports to commanders.
-        signs: passes on signs of life of the processes of subordinates.
+        exchange: passes orders down and reports up.
+        signs: completes the process's signs of life, and passes on those of subordinates.
         distributions: sends and receives behaviors.
         diagnostics: publishes the agents' faults.
         on_demand: creates services and topics for those who ask; None if each agent offers its own
@@ -56,12 +55,12 @@ class HostResources:
             agents: number of a host's agents; 0 if the process is no host.
             swarm: identity of the agents' swarm; empty if none.
         """
+        self.name = names.own_name(node)
         self.nodes: list[AgentBase] = []
         self.host = node if agents else None
         self.scheduler = Scheduler(node)
         self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
-        self.orders = OrderSubscriptions(node)
-        self.outbox = ReportOutbox(node, JobQueue(node, TURN_S) if agents else None)
+        self.exchange = Exchange(node, self.scheduler, is_host=bool(agents))
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
@@ -96,10 +95,9 @@ class HostResources:
         if world not in self.links:
             from hitab_agent.host.host_link import HostLink  # only hosts need this import
 
-            name = names.own_name(host)
             assert self.roster is not None, "only hosts have such links"
             self.links[world] = HostLink(
-                host, name, world, self.outbox, self.orders, self.nodes, self.roster
+                host, self.name, world, self.exchange, self.nodes, self.roster
             )
         return self.links[world]
 

@@ -27,6 +27,8 @@ class AgentBase(GuardedNode):
         status: the agent's `StatusPublisher`.
         percept_log: publishes its percepts for recorders, a `PerceptLog`.
         stop: the stop of the agent's robot; None if it has none.
+        has_robot: whether it perceives and acts, in a world or by the link of its domain; a
+            commander does not.
     """
 
     agent: Agent
@@ -36,6 +38,7 @@ class AgentBase(GuardedNode):
     status: Any
     percept_log: Any
     stop: RobotStop | None = None
+    has_robot = True
 
     def take_in(self, percept: msg.Percept) -> None:
         """Take in a percept. The object may be reused, so copy the values that are kept."""
@@ -45,7 +48,7 @@ class AgentBase(GuardedNode):
         raise NotImplementedError
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that a lockstep round waits for."""
+        """Return the commanders whose orders a lockstep round waits for."""
         raise NotImplementedError
 
     def ordered(self) -> None:
