@@ -126,6 +126,16 @@ class Exchange:
         )
         self._superiors.update(dict.fromkeys(members, name))
 
+    @property
+    def subordinates(self) -> Collection[str]:
+        """The subordinates of the commanders of this process."""
+        return self._superiors.keys()
+
+    @property
+    def superiors(self) -> Collection[str]:
+        """The commanders of the agents of this process."""
+        return self._takers.keys()
+
     def is_here(self, commander: str) -> bool:
         """Whether this process has a commander."""
         return commander in self._commanders

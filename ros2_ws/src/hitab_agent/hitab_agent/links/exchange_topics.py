@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from hitab_msgs import msg
 
@@ -14,8 +14,29 @@ from hitab_ros import GuardedNode, HostRosters, names, qos
 from hitab_ros.messages.conversions import message_of
 from hitab_ros.timing import POLL_S
 
-if TYPE_CHECKING:
-    from hitab_agent.links.exchange import Exchange
+
+class Ends(Protocol):
+    """The agents and commanders of this process, as `hitab_agent.links.exchange` has them."""
+
+    @property
+    def subordinates(self) -> Collection[str]:
+        """The subordinates of the commanders."""
+
+    @property
+    def superiors(self) -> Collection[str]:
+        """The commanders of the agents."""
+
+    def is_here(self, commander: str) -> bool:
+        """Whether this process has a commander."""
+
+    def deliver(self, commander: str, order: Order) -> None:
+        """Hand an order over to the subordinates."""
+
+    def sort(self, reports: Sequence[msg.Report], process: str) -> None:
+        """Hand reports of a process over to the commanders."""
+
+    def restarted(self, agents: Collection[str]) -> None:
+        """Make the commanders of agents know that these were restarted."""
 
 
 class ExchangeTopics:
@@ -28,16 +49,16 @@ class ExchangeTopics:
     order until each subordinate has reported that it knows the order.
     """
 
-    def __init__(self, node: GuardedNode, exchange: Exchange, soon: JobQueue) -> None:
+    def __init__(self, node: GuardedNode, ends: Ends, soon: JobQueue) -> None:
         """Create no endpoints yet.
 
         Args:
             node: the node of the only agent, or of a host, in its own namespace.
-            exchange: receives what arrives.
+            ends: the agents and commanders of the process.
             soon: calls what collects orders.
         """
         self._node = node
-        self._exchange = exchange
+        self._ends = ends
         self._soon = soon
         self._process = names.own_name(node)
         self._host_of: Mapping[str, str] = {}
@@ -78,7 +99,7 @@ class ExchangeTopics:
 
     def _look(self) -> None:
         """Look for the topics of commanders that are in no host."""
-        self._sought -= {*filter(self._exchange.is_here, self._sought)}
+        self._sought -= {*filter(self._ends.is_here, self._sought)}
         for commander in self._sought - self._host_of.keys():
             if self._node.count_publishers(self._topic(commander, names.ORDER)):
                 self._sought.remove(commander)
@@ -118,7 +139,7 @@ class ExchangeTopics:
             self._take(order.commander, order)
 
     def _take(self, commander: str, order: msg.Order) -> None:
-        self._exchange.deliver(commander, from_dict(Order, order, name=order.order))
+        self._ends.deliver(commander, from_dict(Order, order, name=order.order))
 
     # -- reports ----------------------------------------------------------------------------
 
@@ -126,7 +147,7 @@ class ExchangeTopics:
         """Send the reports to commanders in other processes, in one message to each process."""
         batches: dict[str, list[Report]] = {}
         for commander, reports in waiting.items():
-            if self._exchange.is_here(commander):
+            if self._ends.is_here(commander):
                 continue
             topic = self._topic(self._host_of.get(commander, commander), names.REPORTS)
             if commander in self._host_of or topic in self._publishers:
@@ -140,10 +161,18 @@ class ExchangeTopics:
         publisher.publish(msg.Reports(process=self._process, reports=reports))
 
     def _on_reports(self, message: msg.Reports) -> None:
-        self._exchange.sort(message.reports, message.process)
+        self._ends.sort(message.reports, message.process)
 
     def _on_roster(self, roster: msg.HostRoster) -> None:
+        # Connecting takes time, and in lockstep the first order is already waited for.
+        for kind, name, others in (
+            (msg.Orders, names.ORDERS, self._ends.subordinates),
+            (msg.Reports, names.REPORTS, self._ends.superiors),
+        ):
+            for host in {self._host_of.get(other, self._process) for other in others}:
+                if host != self._process:
+                    self._publisher(kind, self._topic(host, name))
         if roster.host in self._hosts:
-            self._exchange.restarted(roster.agents)
+            self._ends.restarted(roster.agents)
         elif roster.host != self._process:
             self._hosts.add(roster.host)
