@@ -82,7 +82,7 @@ def start(spinning: Spinner) -> None:
     for link in shared.links.values():
         link.listen()
     shared.publish_roster()
-    give_signs_of_life(desk, swarm)
+    give_signs_of_life(desk, swarm, shared.signs.fill)
     # The objects made so far stay, and collecting over them would take longer than a cycle.
     # Reference counting frees the objects of a cycle; only errors leave reference cycles, whose
     # collection is not urgent.

@@ -11,8 +11,7 @@ from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_agent.host.roster_topic import RosterTopic
-from hitab_agent.links.order_subscriptions import OrderSubscriptions
-from hitab_agent.links.report_outbox import ReportOutbox
+from hitab_agent.links.exchange import Exchange
 from hitab_agent.links.round_gate import RoundGate
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.node.guarded_tick import NO_ACTION
@@ -39,8 +38,7 @@ class HostLink:
         host: GuardedNode,
         name: str,
         world: str,
-        outbox: ReportOutbox,
-        orders: OrderSubscriptions,
+        exchange: Exchange,
         nodes: Sequence[AgentBase],
         roster: RosterTopic,
     ) -> None:
@@ -50,15 +48,14 @@ class HostLink:
             host: a node of the process, in the swarm's namespace or in one of its own below it.
             name: the host's name, unique in the swarm.
             world: name of the world.
-            outbox: the process's outbox, which is held while all act.
-            orders: the process's subscriptions to orders.
+            exchange: the process's exchange, which is held while all act.
             nodes: the nodes of all agents of the host, in the order of its roster.
             roster: the roster, to which the percepts refer.
         """
         self._host = host
         self._name = name
-        self._outbox = outbox
-        self._gate = RoundGate(orders)
+        self._exchange = exchange
+        self._gate = RoundGate(exchange)
         self._nodes = nodes
         self._roster = roster
         # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
@@ -101,7 +98,7 @@ class HostLink:
         acting = [self._nodes[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, all_heard, end, heard_end = batch.values, batch.heard, 0, 0
-        with self._outbox.at_once() if batch.lockstep else self._outbox.held():
+        with self._exchange.at_once() if batch.lockstep else self._exchange.held():
             for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
                 begin, end = end, end + count
                 heard, heard_end = heard_end, heard_end + n_heard
@@ -121,7 +118,7 @@ class HostLink:
     def _answer(self, batch: msg.PerceptBatch, acting: Sequence[AgentBase]) -> None:
         """Make all agents that took in a percept of the batch act, and send the answer."""
         answers, percept = self._answers, self._percept
-        with self._outbox.held():
+        with self._exchange.held():
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, node in zip(batch.agents, acting, strict=True):

@@ -24,7 +24,7 @@ class WorldLink:
             world: name of the world.
         """
         self._node = node
-        self._gate = RoundGate(node.shared.orders)
+        self._gate = RoundGate(node.shared.exchange)
         # One message is reused for all answers: publishing copies it.
         self._action = msg.Action(agent=node.agent_name)
         # Discovery announces the two in this order, and the world looks for those that answer.

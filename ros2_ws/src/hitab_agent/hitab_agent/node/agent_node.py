@@ -44,17 +44,10 @@ from hitab_core.training.operation import Operation, Outcome
 from hitab_ros import names
 from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.nodes.diagnostics import Diagnosis
-from hitab_ros.timing import HEARTBEAT_S
 
 
 class AgentNode(AgentBase):
-    """One agent of the swarm, in the namespace of its name.
-
-    Attributes:
-        has_robot: whether the link of its domain, if it has one, drives a robot.
-    """
-
-    has_robot = True
+    """One agent of the swarm, in the namespace of its name."""
 
     def __init__(
         self,
@@ -169,7 +162,6 @@ class AgentNode(AgentBase):
             subordinate = Subordinate(self.agent, settings.role)
             self.superior = self.status.superior = SuperiorLink(self, subordinate)
             self.stop_changed()
-            self.scheduler.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if settings.when_out_of_reach == "halt":
             self._reach = ReachWatch(self)
         training, performed = self.agent.session, self.memory.performed
@@ -323,8 +315,8 @@ class AgentNode(AgentBase):
     # -- orders of a commander ----------------------------------------------------------------
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that a lockstep round waits for."""
-        return () if self.superior is None else (self.superior.orders,)
+        """Return the commanders whose orders a lockstep round waits for."""
+        return () if self.superior is None else (self.superior.commander,)
 
     def ordered(self) -> None:
         """Publish the outcome of an order: obeyed, or waiting with the reason."""

@@ -123,6 +123,11 @@ class Subordinate:
         """Whether the commander has requested values or the position."""
         return self.order is not None and self.order.asks
 
+    @property
+    def perceived(self) -> tuple[int, int, int, float]:
+        """Cycle, episode, seed and time of the last percept."""
+        return self.agent.cycle, self.episode, self.seed, self.seconds
+
     # -- reporting --------------------------------------------------------------------------
 
     def news(self, seconds: float) -> Report | None:
