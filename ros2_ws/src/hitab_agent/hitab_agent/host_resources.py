@@ -60,7 +60,7 @@ class HostResources:
         self.host = node if agents else None
         self.scheduler = Scheduler(node)
         self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
-        self.exchange = Exchange(node, self.scheduler, is_host=bool(agents))
+        self.exchange = Exchange(node, self.scheduler, swarm, is_host=bool(agents))
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])

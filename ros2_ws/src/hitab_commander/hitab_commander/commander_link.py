@@ -68,6 +68,7 @@ class CommanderLink:
         self._hear_sign = node.guard.wrap("signs of life", self._on_sign)
         self._orders: Any = None
         self._reports: Any = None
+        self._listens = False
         stored = node.memory.values
         epoch = stored.get("epoch")
         self.body.enlist(
@@ -98,11 +99,15 @@ class CommanderLink:
         self._show_order()
 
     def offer_reports(self) -> None:
-        """Create the topic of reports; observers find on it also those that came another way."""
-        node = self._node
-        node.create_subscription(msg.Reports, names.REPORTS, self._on_topic, qos.EVENTS)
-        if node.shared.host is not None:
-            self._reports = node.create_publisher(msg.Reports, names.REPORTS, qos.EVENTS)
+        """Create the topic of reports; a host shows observers those that came in other ways."""
+        if self._node.shared.host is None:
+            self._listen()
+        else:
+            self._reports = self._node.create_publisher(msg.Reports, names.REPORTS, qos.EVENTS)
+
+    def _listen(self) -> None:
+        self._node.create_subscription(msg.Reports, names.REPORTS, self._on_topic, qos.EVENTS)
+        self._listens = True
 
     def _resume(self, order: str) -> None:
         """Resume the order of the previous process, or publish that there is none."""
@@ -122,8 +127,7 @@ class CommanderLink:
 
     def _on_reports(self, reports: Sequence[Report | msg.Report], process: str) -> None:
         self._hear(reports, process)
-        # The subscription to the topic is one of its receivers.
-        if self._reports is not None and self._reports.get_subscription_count() > 1:
+        if self._reports is not None and self._reports.get_subscription_count() > self._listens:
             shown = [message_of(msg.Report, report) for report in reports]
             self._reports.publish(msg.Reports(reports=shown, process=self._node.shared.name))
 
@@ -238,6 +242,9 @@ class CommanderLink:
         self._decided = False
         if now >= self._look_at:
             self._look_at = now + HEARTBEAT_S
+            shows = self._reports is not None and not self._listens
+            if shows and self._node.count_publishers(names.REPORTS) > 1:  # an agent's as well
+                self._listen()
             if not (self._lockstep.active or all(map(body.knows_of, body.members))):
                 self._publish(body.order)
         self.group.publish_if_changed()

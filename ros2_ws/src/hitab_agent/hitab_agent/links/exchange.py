@@ -44,12 +44,15 @@ class Exchange:
     hierarchy before their outcome is reported up.
     """
 
-    def __init__(self, node: GuardedNode, scheduler: Scheduler, *, is_host: bool) -> None:
+    def __init__(
+        self, node: GuardedNode, scheduler: Scheduler, swarm: str = "", *, is_host: bool
+    ) -> None:
         """Create the exchange of a process.
 
         Args:
             node: the node of the only agent, or of a host, in its own namespace.
             scheduler: the process's scheduler.
+            swarm: identity of a host's swarm; empty if none.
             is_host: whether the process is a host.
         """
         self._node = node
@@ -65,7 +68,7 @@ class Exchange:
         self._held = False
         self._topics = ExchangeTopics(node, self, self._next)
         if is_host:
-            self._topics.join_hosts(scheduler)
+            self._topics.join_hosts(scheduler, swarm)
 
     # -- orders -----------------------------------------------------------------------------
 

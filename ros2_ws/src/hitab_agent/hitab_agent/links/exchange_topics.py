@@ -68,12 +68,14 @@ class ExchangeTopics:
         self._publishers: dict[str, Any] = {}
         self._orders: dict[str, dict[str, Order]] = {}  # by host and commander
 
-    def join_hosts(self, scheduler: Scheduler) -> None:
-        """Listen to other hosts."""
+    def join_hosts(self, scheduler: Scheduler, swarm: str) -> None:
+        """Listen to other hosts; if this one has a swarm, only to those of its swarm."""
         node, create = self._node, self._node.create_subscription
         self._is_host = True
         hosts = names.in_swarm(node, names.HOSTS)
-        self._host_of = HostRosters(node, hosts, changed=self._on_roster).host_of
+        self._host_of = HostRosters(
+            node, hosts, lambda roster: swarm in ("", roster.swarm), self._on_roster
+        ).host_of
         create(msg.Orders, self._topic(self._process, names.ORDERS), self._on_orders, qos.EVENTS)
         create(
             msg.Reports, self._topic(self._process, names.REPORTS), self._on_reports, qos.EVENTS
