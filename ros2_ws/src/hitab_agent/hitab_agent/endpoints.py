@@ -57,8 +57,11 @@ class Endpoint:
 
     def is_asked_for(self, observer: Node) -> bool:
         """Whether somebody has an endpoint at the other end, as a node sees the ROS graph."""
-        own = self.mirror is not None and self.mirror.end is not None
-        return self._others(observer) > own
+        return self._others(observer) > self._own
+
+    @property
+    def _own(self) -> int:
+        return int(self.mirror is not None and self.mirror.end is not None)
 
     def _others(self, observer: Node) -> int:
         raise NotImplementedError
@@ -117,7 +120,7 @@ class PublishedTopic(Endpoint):
     @property
     def is_listened_to(self) -> bool:
         """Whether there is a publisher with subscribers."""
-        return self.end is not None and self.end.get_subscription_count() > 0
+        return self.end is not None and self.end.get_subscription_count() > self._own
 
     def _others(self, observer: Node) -> int:
         return observer.count_subscribers(self.name)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hitab_msgs.msg import HostRoster
+
 from hitab_agent.agent_services import CommandsToMany
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.host.roster_topic import RosterTopic
@@ -65,13 +67,17 @@ class HostResources:
             on_demand: whether endpoints are opened for those who ask, instead of all at once.
             swarm: identity of the agents' swarm; empty if none.
         """
+
+        def is_own(roster: HostRoster) -> bool:
+            return swarm in ("", roster.swarm)
+
         self.name = names.own_name(node)
         self.nodes: list[AgentBase] = []
         self.host = node if is_host else None
         self.scheduler = Scheduler(node)
         self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
         hosts = names.in_swarm(node, names.HOSTS)
-        rosters = HostRosters(node, hosts) if is_host else None
+        rosters = HostRosters(node, hosts, is_own) if is_host else None
         self.exchange = Exchange(node, self.scheduler, rosters)
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)

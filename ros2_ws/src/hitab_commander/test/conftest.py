@@ -211,7 +211,7 @@ class Team:
         self.nodes[name] = node
         node.join()
         if self.gives_signs and host is None:
-            give_signs_of_life(node)
+            give_signs_of_life(node, fill=node.shared.signs.fill)
         return node
 
     def _listen(self, kind: Any, name: str, topic: str, take: Callable[[Any], None]) -> None:

@@ -78,12 +78,24 @@ def test_an_order_given_before_the_rosters_are_known_is_obeyed_afterwards(team):
 def test_orders_that_a_wrong_roster_leads_astray_are_repeated(team):
     first, second = two_hosts(team)
     astray = team.link.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
-    astray.publish(msg.HostRoster(host="nowhere", number=1, agents=["b"]))
+    astray.publish(msg.HostRoster(host="nowhere", number=1, agents=["b"], swarm="team"))
     first.publish_roster()
     team.perform("chief", "Retreat")
     team.until(lambda: team.performs("a") == "Home")
     second.publish_roster()
     team.until(lambda: team.obeying() == [True, True])
+
+
+def test_a_roster_of_another_swarm_misleads_nobody(team):
+    first, second = two_hosts(team)
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Attack", "Search")
+    other = team.link.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    team.until(lambda: other.get_subscription_count() == 2)
+    other.publish(msg.HostRoster(host="nowhere", number=1, agents=["b"], swarm="other"))
+    all_perform(team, "Retreat", "Home")
+    all_perform(team, "Attack", "Search")
 
 
 def test_a_late_batch_of_old_orders_changes_nothing(team):
