@@ -16,15 +16,12 @@ from __future__ import annotations
 
 import gc
 import sys
-from collections.abc import Mapping
 
 from hitab_msgs.msg import AgentStatus
-from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
 from hitab_agent.host_resources import HostResources
 from hitab_ros import (
-    NO_TYPE_DESCRIPTIONS,
     Spinner,
     check_name_is_free,
     give_signs_of_life,
@@ -54,21 +51,9 @@ def start(spinning: Spinner) -> None:
     )
     spinning.executor.add_node(desk)
     shared = HostResources(desk, len(entries), swarm)
-    nodes = []
-    for entry in entries:
-        parameters = {"swarm": swarm, **entry.parameters}
-        node = entry.node(
-            namespace=f"{namespace}/{entry.name}",
-            parameter_overrides=[
-                NO_TYPE_DESCRIPTIONS,
-                *(Parameter(name, value=value) for name, value in parameters.items()),
-            ],
-            use_global_arguments=False,
-            cli_args=_renaming(entry.remap),
-            shared=shared,
-        )
+    nodes = [entry.create(namespace, swarm, shared) for entry in entries]
+    for node in nodes:
         spinning.executor.add_node(node)
-        nodes.append(node)
     check_name_is_free(spinning, nodes, AgentStatus)
     for node in nodes:
         node.join()
@@ -82,12 +67,6 @@ def start(spinning: Spinner) -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
-
-
-def _renaming(remap: Mapping[str, str]) -> list[str]:
-    """Return the command-line arguments for a node's remappings."""
-    rules = [part for name, other in remap.items() for part in ("-r", f"{name}:={other}")]
-    return ["--ros-args", *rules] if rules else []
 
 
 def main() -> None:
