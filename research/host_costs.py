@@ -8,6 +8,7 @@ world, without a world's process. Each size runs in a process of its own.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import sys
@@ -86,6 +87,7 @@ def measure(agents: int) -> Costs:
 
 
 def _measure(spinning: Any, agents: int) -> Costs:
+    from hitab_agent.host_main import GC_THRESHOLDS
     from hitab_agent.host.roster import read_roster
     from hitab_agent.host_resources import HostResources
     from hitab_ros import make_node
@@ -95,6 +97,7 @@ def _measure(spinning: Any, agents: int) -> Costs:
     desk = make_node("host", namespace="/swarm/host_of_all", use_global_arguments=False)
     spinning.executor.add_node(desk)
     shared = HostResources(desk, len(entries), "costs")
+    gc.disable()
     before, began = _memory_mb(), time.process_time()
     nodes = []
     for entry in entries:
@@ -105,6 +108,10 @@ def _measure(spinning: Any, agents: int) -> Costs:
     for node in nodes:
         node.join()
     joined, memory = time.process_time(), _memory_mb() - before
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(*GC_THRESHOLDS)
+    gc.enable()
     (link,) = shared.links.values()
     shared.roster.publish()
     cycle, world, process = _cycles(spinning, link, shared, desk, agents)

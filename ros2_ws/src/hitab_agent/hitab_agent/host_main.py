@@ -36,6 +36,7 @@ per collection of the next older one."""
 
 def start(spinning: Spinner) -> None:
     """Create all agents of the roster that the command line names."""
+    gc.disable()  # what the start makes stays, so collecting over it would be in vain
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
@@ -67,6 +68,7 @@ def start(spinning: Spinner) -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
+    gc.enable()
 
 
 def main() -> None:
