@@ -14,7 +14,6 @@ import os
 import sys
 import tempfile
 import time
-from array import array
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -87,8 +86,8 @@ def measure(agents: int) -> Costs:
 
 
 def _measure(spinning: Any, agents: int) -> Costs:
-    from hitab_agent.host_main import GC_THRESHOLDS
     from hitab_agent.host.roster import read_roster
+    from hitab_agent.host_main import GC_THRESHOLDS
     from hitab_agent.host_resources import HostResources
     from hitab_ros import make_node
 
@@ -134,12 +133,12 @@ def _cycles(
 ) -> tuple[float, float, float]:
     """Return the CPU time of a cycle, s: of the callback, of the world, of the process."""
     from hitab_msgs import msg
+    from plain_world import PlainWorld
 
     from hitab_ros import make_node
     from hitab_ros.messages.stamps import time_of
     from hitab_world.node.host_registry import HostRegistry
     from hitab_world.simulating.lockstep import RoundAnswers
-    from plain_world import PlainWorld
 
     world = PlainWorld(agents)
     node = make_node("world", namespace="/swarm/world", use_global_arguments=False)
@@ -149,7 +148,8 @@ def _cycles(
     registry._on_roster(
         msg.HostRoster(host="host_of_all", number=shared.roster.number, agents=names)
     )
-    spinning.spin_until(registry.look, 10.0)
+    link.listen()
+    spinning.spin_until(lambda: registry.look() and registry.present == 1, 10.0)
     percepts = Tap(registry._hosts["host_of_all"].publisher)
     actions = Tap(link._actions)
     registry._hosts["host_of_all"].publisher, link._actions = percepts, actions
@@ -179,7 +179,6 @@ def _cycles(
         spinning.spin_until(lambda: False, CYCLE_S / 4)
     # Now as in a swarm: by DDS, in real time, with the work of timers in between.
     spent = 0.0
-    link.listen()
     for cycle in range(CYCLES + 1, 2 * CYCLES + 1):
         due = time.monotonic() + CYCLE_S
         answers.begin(cycle)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import Any, TypeVar
 
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -18,11 +17,12 @@ from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.node.guarded_tick import NO_ACTION
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.messages.checks import too_far_ahead
+from hitab_ros.messages.stamps import seconds_of
 
 LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was delayed answers only the latest percepts."""
 
-T = TypeVar("T")
+Failures = dict[AgentBase, Exception]
 
 CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """Fields that all percepts of a cycle share."""
@@ -64,6 +64,7 @@ class HostLink:
         # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
         self._percept = SimpleNamespace()
         self._episode: tuple[int, int] | None = None
+        self._failing: dict[str, frozenset[AgentBase]] = {}
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
         )
@@ -91,7 +92,7 @@ class HostLink:
                 "fill them in as msg/PerceptBatch says"
             )
             return
-        percept = self._percept
+        percept, seconds = self._percept, seconds_of(batch.stamp)
         for field in CYCLE_FIELDS:
             setattr(percept, field, getattr(batch, field))
         # The world skips late answers, and a host skips percepts: a restart may be in one of them.
@@ -101,13 +102,18 @@ class HostLink:
         acting = [self._nodes[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, all_heard, end, heard_end = batch.values, batch.heard, 0, 0
+        failures: Failures = {}
         with self._outbox.at_once() if batch.lockstep else self._outbox.held():
             for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
                 begin, end = end, end + count
                 heard, heard_end = heard_end, heard_end + n_heard
                 percept.values = values[begin:end]
                 percept.heard = all_heard[heard:heard_end]
-                _guarded(node, "perceiving", node.take_in, percept)
+                try:
+                    node.take_in(percept, seconds)
+                except Exception as error:
+                    failures[node] = error
+            self._report("perceiving", acting, failures)
         commanders: set[str] = set()
         if batch.lockstep:
             commanders.update(*(node.awaited_orders() for node in acting))
@@ -121,16 +127,22 @@ class HostLink:
     def _answer(self, batch: msg.PerceptBatch, acting: Sequence[AgentBase]) -> None:
         """Make all agents that took in a percept of the batch act, and send the answer."""
         answers, percept = self._answers, self._percept
+        failures: Failures = {}
         with self._outbox.held():
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, node in zip(batch.agents, acting, strict=True):
-                action, say = _guarded(node, "acting", node.answer, percept) or NO_ACTION
+                try:
+                    action, say = node.answer(percept)
+                except Exception as error:
+                    failures[node] = error
+                    action, say = NO_ACTION
                 done.extend(action)
                 counts.append(len(action))
                 if say:
                     speakers.append(index)
                     said.append(say)
+            self._report("acting", acting, failures)
         answers.roster, answers.sequence = batch.roster, batch.sequence
         answers.agents = batch.agents
         answers.value_counts = counts
@@ -139,20 +151,21 @@ class HostLink:
         answers.said = said
         self._actions.publish(answers)
 
+    def _report(self, key: str, acting: Sequence[AgentBase], failures: Failures) -> None:
+        """Show each failing agent's fault until it succeeds, as its guard would.
 
-def _guarded(node: AgentBase, key: str, call: Callable[[Any], T], percept: Any) -> T | None:
-    """Do one agent's part of a batch as its guard would, which costs more than most of the parts.
-
-    A failing agent does not affect the others.
-    """
-    try:
-        result = call(percept)
-    except Exception as error:
-        node.guard.failed(key, error)
-        return None
-    if node.guard.faults.by_key:
-        node.guard.faults.clear(key)
-    return result
+        A guard around each agent's part would cost more than most of the parts.
+        """
+        before = self._failing.get(key)
+        if not (failures or before):
+            return
+        for node, error in failures.items():
+            node.guard.failed(key, error)
+        past = (before or frozenset()) - failures.keys()
+        recovered = past.intersection(acting)
+        for node in recovered:
+            node.guard.faults.clear(key)
+        self._failing[key] = (past - recovered).union(failures)
 
 
 def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:

@@ -25,7 +25,7 @@ class AgentBase(GuardedNode):
         settings: parameters of the agent.
         shared: the `HostResources` of its process.
         status: the agent's `StatusPublisher`.
-        percept_log: publishes its percepts for recorders, a `PerceptLog`.
+        percept_log: publishes its percepts for recorders, a `PerceptLog`; None in a host.
         stop: the stop of the agent's robot; None if it has none.
     """
 
@@ -37,8 +37,13 @@ class AgentBase(GuardedNode):
     percept_log: Any
     stop: RobotStop | None = None
 
-    def take_in(self, percept: msg.Percept) -> None:
-        """Take in a percept. The object may be reused, so copy the values that are kept."""
+    def take_in(self, percept: msg.Percept, seconds: float) -> None:
+        """Take in a percept.
+
+        Args:
+            percept: the percept. It may be reused, so copy the values that are kept.
+            seconds: the agent's time, s: that of the world, the robot or the subordinates.
+        """
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""

@@ -18,13 +18,12 @@ class PerceptLog:
     """
 
     def __init__(self, node: AgentBase) -> None:
-        """Begin to look for subscribers, unless the agent runs in a host."""
+        """Begin to look for subscribers."""
         self._node = node
         self._publisher: Any = None
         self._receivers: Receivers | None = None
         self._last: msg.Percept | None = None
-        if node.shared.host is None:
-            node.shared.scheduler.every(POLL_S, self._look, node.guard)
+        node.shared.scheduler.every(POLL_S, self._look, node.guard)
 
     def tell(self, percept: msg.Percept) -> None:
         """Publish a percept that the agent is about to take in."""
