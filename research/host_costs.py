@@ -228,9 +228,9 @@ def main(
         with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
             costs = pool.submit(measure, size).result()
         typer.echo(
-            f"{costs.agents:>7} {costs.nodes:>6} {costs.create_ms:>5.2f} ms {costs.join_ms:>5.2f} ms "
-            f"{costs.memory_mb:>5.3f} MB {costs.cycle_us:>6.1f} µs {costs.world_us:>5.1f} µs "
-            f"{costs.process_us:>5.1f} µs"
+            f"{costs.agents:>7} {costs.nodes:>6} "
+            f"{costs.create_ms:>5.2f} ms {costs.join_ms:>5.2f} ms {costs.memory_mb:>5.3f} MB "
+            f"{costs.cycle_us:>6.1f} µs {costs.world_us:>5.1f} µs {costs.process_us:>5.1f} µs"
         )
 
 

@@ -64,7 +64,7 @@ class HostLink:
         # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
         self._percept = SimpleNamespace()
         self._episode: tuple[int, int] | None = None
-        self._failing: dict[str, frozenset[AgentBase]] = {}
+        self._failing: set[str] = set()  # the parts of a batch in which some agent failed last
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
         )
@@ -152,20 +152,20 @@ class HostLink:
         self._actions.publish(answers)
 
     def _report(self, key: str, acting: Sequence[AgentBase], failures: Failures) -> None:
-        """Show each failing agent's fault until it succeeds, as its guard would.
+        """Show the fault of each failing agent until it succeeds, as its guard would.
 
         A guard around each agent's part would cost more than most of the parts.
         """
-        before = self._failing.get(key)
-        if not (failures or before):
+        if not failures and key not in self._failing:
             return
-        for node, error in failures.items():
-            node.guard.failed(key, error)
-        past = (before or frozenset()) - failures.keys()
-        recovered = past.intersection(acting)
-        for node in recovered:
-            node.guard.faults.clear(key)
-        self._failing[key] = (past - recovered).union(failures)
+        self._failing.discard(key)
+        for node in acting:
+            if node in failures:
+                node.guard.failed(key, failures[node])
+            else:
+                node.guard.faults.clear(key)
+        if any(key in node.guard.faults.by_key for node in self._nodes):
+            self._failing.add(key)
 
 
 def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:

@@ -100,14 +100,15 @@ class GuardedNode(Node):
             is_one = given.type_ is Parameter.Type.INTEGER
             floats = float(given.value) if is_one else list(map(float, given.value))
             given = self._parameter_overrides[name] = Parameter(name, value=floats)
-        if not self._publishes_parameter_events and value is not None:
+        is_new = value is not None and name not in self._parameters
+        if is_new and not self._publishes_parameter_events:
             # Nobody listens to the event, for which rclpy makes many messages.
             is_type = isinstance(value, Parameter.Type)
             descriptor = ParameterDescriptor() if descriptor is None else descriptor
             kind = value if is_type else Parameter.Type.from_parameter_value(value)
             descriptor.type = kind.value
-            declared = given or Parameter(name, value=None if is_type else value)
-            if self._apply_descriptor(declared, descriptor, False).successful:
+            if given is None or self._apply_descriptor(given, descriptor, False).successful:
+                declared = given or Parameter(name, value=None if is_type else value)
                 self._parameters[name], self._descriptors[name] = declared, descriptor
                 return declared
         try:
