@@ -74,7 +74,7 @@ def test_whole_numbers_are_taken_for_the_floats_of_a_node_and_other_types_refuse
         with pytest.raises(HitabError, match='"mode" is the text "fast"; it must be such as 1'):
             node.declare_parameter("mode", 1.5)
         whole = ParameterDescriptor(integer_range=[IntegerRange(from_value=0, to_value=9)])
-        with pytest.raises(InvalidParameterValueException, match="seed out of range.* value: -1"):
+        with pytest.raises(InvalidParameterValueException, match=r"seed out of range.* value: -1"):
             node.declare_parameter("seed", 0, whole)
         names = Parameter.Type.STRING_ARRAY
         assert node.declare_parameter("names", names, ParameterDescriptor()).value is None
