@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from types import SimpleNamespace
 
 from hitab_msgs import msg
@@ -31,7 +31,8 @@ CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockst
 class HostLink:
     """Answers the percepts of all agents of a host.
 
-    All perceive first, then all act. In between, in lockstep, their commanders give orders.
+    In lockstep, all perceive, their commanders give orders, and all act. In real time, each agent
+    acts as soon as it has perceived, while its data are still in the processor's cache.
     """
 
     def __init__(
@@ -92,46 +93,54 @@ class HostLink:
                 "fill them in as msg/PerceptBatch says"
             )
             return
-        percept, seconds = self._percept, seconds_of(batch.stamp)
+        percept = self._percept
         for field in CYCLE_FIELDS:
             setattr(percept, field, getattr(batch, field))
         # The world skips late answers, and a host skips percepts: a restart may be in one of them.
         episode = (batch.seed, batch.episode)
         percept.restart |= self._episode is not None and episode != self._episode
         self._episode = episode
+        perceiving: Iterable[AgentBase] = self._perceive(batch)
+        commanders: set[str] = set()
+        if batch.lockstep:
+            with self._outbox.at_once():
+                perceiving = list(perceiving)
+            commanders.update(*(node.awaited_orders() for node in perceiving))
+        self._gate.begin(
+            batch.sequence,
+            commanders,
+            lambda: self._answer(batch, perceiving),
+            look=batch.look,
+        )
+
+    def _perceive(self, batch: msg.PerceptBatch) -> Iterator[AgentBase]:
+        """Make all agents of a batch take in their percepts; yield each after its own."""
+        percept, seconds = self._percept, seconds_of(batch.stamp)
         acting = [self._nodes[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, all_heard, end, heard_end = batch.values, batch.heard, 0, 0
         failures: Failures = {}
-        with self._outbox.at_once() if batch.lockstep else self._outbox.held():
-            for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
-                begin, end = end, end + count
-                heard, heard_end = heard_end, heard_end + n_heard
-                percept.values = values[begin:end]
-                percept.heard = all_heard[heard:heard_end]
-                try:
-                    node.take_in(percept, seconds)
-                except Exception as error:
-                    failures[node] = error
-            self._report("perceiving", acting, failures)
-        commanders: set[str] = set()
-        if batch.lockstep:
-            commanders.update(*(node.awaited_orders() for node in acting))
-        self._gate.begin(
-            batch.sequence,
-            commanders,
-            lambda: self._answer(batch, acting),
-            look=batch.look,
-        )
+        for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
+            begin, end = end, end + count
+            heard, heard_end = heard_end, heard_end + n_heard
+            percept.values = values[begin:end]
+            percept.heard = all_heard[heard:heard_end]
+            try:
+                node.take_in(percept, seconds)
+            except Exception as error:
+                failures[node] = error
+            yield node
+        self._report("perceiving", acting, failures)
 
-    def _answer(self, batch: msg.PerceptBatch, acting: Sequence[AgentBase]) -> None:
-        """Make all agents that took in a percept of the batch act, and send the answer."""
-        answers, percept = self._answers, self._percept
+    def _answer(self, batch: msg.PerceptBatch, perceiving: Iterable[AgentBase]) -> None:
+        """Make each agent act once it has perceived, and send the answer."""
+        answers, percept, acting = self._answers, self._percept, []
         failures: Failures = {}
         with self._outbox.held():
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
-            for index, node in zip(batch.agents, acting, strict=True):
+            for index, node in zip(batch.agents, perceiving, strict=True):
+                acting.append(node)
                 try:
                     action, say = node.answer(percept)
                 except Exception as error:
