@@ -112,6 +112,7 @@ def _measure(spinning: Any, agents: int) -> Costs:
     gc.set_threshold(*GC_THRESHOLDS)
     gc.enable()
     (link,) = shared.links.values()
+    assert shared.roster is not None
     shared.roster.publish()
     cycle, world, process = _cycles(spinning, link, shared, desk, agents)
     count = len(nodes)
