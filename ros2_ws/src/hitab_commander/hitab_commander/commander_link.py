@@ -40,7 +40,7 @@ class CommanderLink:
     Attributes:
         body: the group.
         group: publishes its status.
-        seconds: the subordinates' time, s.
+        seconds: the subordinates' time, s: the number of complete reports times the period.
         calm: whether another decision would be the same as the last one, which changed nothing and
             drew no random number; then none is made at the fixed rate.
     """
@@ -198,7 +198,7 @@ class CommanderLink:
         self.seconds = present.seconds
         self._episode = present.seed, present.episode
         with self._exchange.at_once():
-            self._node.take_in(percept)
+            self._node.take_in(percept, self.seconds)
         self._gate.begin(
             present.number,
             self._node.awaited_orders(),
@@ -251,7 +251,7 @@ class CommanderLink:
             if self.body.ready:
                 agent = self._agent
                 before = agent.active_path, agent.draws, agent.mode
-                self._node.take_in(percept)
+                self._node.take_in(percept, self.seconds)
                 self._node.answer(percept)
                 percept.restart = False
                 # The next decision would be the same, unless something changes.

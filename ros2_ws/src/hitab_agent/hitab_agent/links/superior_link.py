@@ -64,7 +64,9 @@ class SuperiorLink:
             changed: whether its activity may have changed since the previous percept.
         """
         subordinate = self.subordinate
-        changed |= subordinate.rounds_end() | self._keep_time(percept, seconds)
+        changed |= self._keep_time(percept, seconds)
+        if subordinate.round:
+            changed |= subordinate.rounds_end()
         if subordinate.refusal and subordinate.settle():
             self._ordered()  # the order may have been refused only for lack of a percept
             changed = True
@@ -87,11 +89,11 @@ class SuperiorLink:
     def _keep_time(self, percept: msg.Percept, seconds: float) -> bool:
         """Adopt a percept's time; return whether an episode has begun."""
         subordinate = self.subordinate
-        episode = (percept.episode, percept.seed)
-        changed = (subordinate.episode, subordinate.seed) != episode
-        subordinate.episode, subordinate.seed = episode
         subordinate.seconds = self._seconds = seconds
-        return changed
+        if subordinate.episode == percept.episode and subordinate.seed == percept.seed:
+            return False
+        subordinate.episode, subordinate.seed = percept.episode, percept.seed
+        return True
 
     def tell(self) -> None:
         """Report changes, if there are any."""

@@ -7,6 +7,7 @@ from hitab_msgs import msg
 from hitab_agent.links.round_gate import RoundGate
 from hitab_agent.node.agent_base import AgentBase
 from hitab_ros import names, qos
+from hitab_ros.messages.stamps import seconds_of
 
 
 class WorldLink:
@@ -34,7 +35,7 @@ class WorldLink:
         )
 
     def _on_percept(self, percept: msg.Percept) -> None:
-        self._node.take_in(percept)
+        self._node.take_in(percept, seconds_of(percept.stamp))
         awaited = self._node.awaited_orders() if percept.lockstep else ()
         self._gate.begin(percept.sequence, awaited, lambda: self._act(percept), look=percept.look)
 

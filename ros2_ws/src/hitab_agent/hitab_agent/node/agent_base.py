@@ -46,8 +46,13 @@ class AgentBase(GuardedNode):
     stop: RobotStop | None = None
     has_robot = True
 
-    def take_in(self, percept: msg.Percept) -> None:
-        """Take in a percept. The object may be reused, so copy the values that are kept."""
+    def take_in(self, percept: msg.Percept, seconds: float) -> None:
+        """Take in a percept.
+
+        Args:
+            percept: the percept. It may be reused, so copy the values that are kept.
+            seconds: the agent's time, s: that of the world, the robot or the subordinates.
+        """
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""

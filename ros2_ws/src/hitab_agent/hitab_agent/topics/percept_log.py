@@ -18,11 +18,14 @@ class PerceptLog:
 
     Attributes:
         topic: the topic, which is created only for a subscriber.
+        is_on: whether it has to be told of percepts.
     """
 
     def __init__(self, node: AgentBase) -> None:
         """Prepare to publish."""
         self._node = node
+        # A host reuses one object for the percepts of all agents, so none can be kept.
+        self.is_on = self._keeps = node.shared.host is None
         self._receivers: Receivers | None = None
         self._last: msg.Percept | None = None
         self.topic = PublishedTopic(
@@ -31,20 +34,19 @@ class PerceptLog:
 
     def tell(self, percept: msg.Percept) -> None:
         """Publish a percept that the agent is about to take in."""
-        if self._node.shared.host is not None:
-            if self._receivers is None:
-                return
-            percept = msg.Percept(**vars(percept))  # the host reuses its object
+        if not self._keeps:
+            percept = msg.Percept(**vars(percept))
         self._last = percept
         if self._receivers is not None and self._receivers.count:
             self.topic.publish(percept)
 
     def _opened(self) -> None:
+        self.is_on = True
         self._receivers = Receivers(self._node, self.topic.end)
         self._stop = self._node.shared.scheduler.every(POLL_S, self._look, self._node.guard)
 
     def _closed(self) -> None:
-        self._receivers = None
+        self.is_on, self._receivers = self._keeps, None
         self._stop()
 
     def _look(self) -> None:

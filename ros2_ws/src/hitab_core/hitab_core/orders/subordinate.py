@@ -191,7 +191,8 @@ class Subordinate:
         if agent.mode is not Mode.IDLE and not self.stopped:
             inside = self.order is not None and self.order.report_states
             path = (agent.behavior, *(agent.active_path if inside else ()))
-        flags = tuple(sorted(agent.raised))
+        raised = agent.raised
+        flags = tuple(sorted(raised)) if raised else ()
         doing = epoch, sequence, self.waits, agent.mode.value, self.stopped, path, flags
         return (*doing, self.episode, self.seed, self.round)
 
