@@ -89,9 +89,7 @@ def child(kind: str, index: int, agents: int) -> None:
     def count(_: Any) -> None:
         answered[0] += 1
 
-    publishers = [
-        node.create_publisher(to_agent, topic, qos.CYCLE) for topic in sorted({*topics})
-    ]
+    publishers = [node.create_publisher(to_agent, topic, qos.CYCLE) for topic in sorted({*topics})]
     subscribe(to_world, f"{kind}{agents}/actions", count)
     awaited = 1 if hosted else agents
     while node.count_publishers(f"{kind}{agents}/actions") < awaited or any(
@@ -121,12 +119,15 @@ def floor(kind: str, agents: int) -> Iterator[Measure]:
         out = subprocess.PIPE if index == 0 else None
         processes.append(subprocess.Popen(command, stdin=pipe, stdout=out, text=True))
     world = processes[-1]
-    assert world.stdin and world.stdout
+    assert world.stdin
+    assert world.stdout
     world.stdout.readline()
 
+    asks, answers = world.stdin, world.stdout
+
     def measure(rounds: int) -> float:
-        print(rounds, file=world.stdin, flush=True)
-        return float(world.stdout.readline())
+        print(rounds, file=asks, flush=True)
+        return float(answers.readline())
 
     try:
         yield measure
@@ -147,7 +148,9 @@ def keepaway(agents: int, hosts: int) -> Iterator[Measure]:
         file = Path(folder, "floor.yaml")
         library = shipped("libraries", "keepaway")
         count = f"hosts: {hosts}" if hosts else ""
-        file.write_text(SWARM.format(agents=agents, keepers=max(agents, 2), hosts=count, library=library))
+        file.write_text(
+            SWARM.format(agents=agents, keepers=max(agents, 2), hosts=count, library=library)
+        )
         with temporary_swarm(read_swarm(file), progress=lambda *_: None) as swarm:
 
             def measure(rounds: int) -> float:
@@ -168,8 +171,8 @@ def main(
 ) -> None:
     """Compare keepaway in lockstep with its floors and with a bare loop."""
     if child_of:
-        kind, index, number = child_of.split(",")
-        child(kind, int(index), int(number))
+        role, index, count = child_of.split(",")
+        return child(role, int(index), int(count))
     numbers = [int(number) for number in agents.split(",")]
     os.environ.setdefault("ROS_DOMAIN_ID", "97")
     found: dict[str, list[float]] = {}

@@ -60,11 +60,11 @@ BUDGET = {
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1600,
+    "hitab_ros": 1660,
     "hitab_studio": 4400,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29950,
+    "tests": 30000,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

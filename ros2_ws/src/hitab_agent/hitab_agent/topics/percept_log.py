@@ -30,7 +30,7 @@ class PerceptLog:
         """Publish a percept that the agent is about to take in."""
         self._last = percept
         if self._receivers is not None and self._receivers.count:
-            self._publisher.publish(percept)
+            self._publish(percept)
 
     def _look(self) -> None:
         if self._receivers is None:
@@ -41,4 +41,11 @@ class PerceptLog:
             )
             self._receivers = Receivers(self._node, self._publisher)
         if self._receivers.look() and self._receivers.count and self._last is not None:
-            self._publisher.publish(self._last)
+            self._publish(self._last)
+
+    def _publish(self, percept: Any) -> None:
+        """Publish a percept, which may be an object with the fields of the message."""
+        fields = msg.Percept.get_fields_and_field_types()
+        self._publisher.publish(
+            msg.Percept(**{field: getattr(percept, field) for field in fields})
+        )
