@@ -95,7 +95,7 @@ def _measure(spinning: Any, agents: int) -> Costs:
     entries = read_roster(host)
     desk = make_node("host", namespace="/swarm/host_of_all", use_global_arguments=False)
     spinning.executor.add_node(desk)
-    shared = HostResources(desk, len(entries), "costs")
+    shared = HostResources(desk, is_host=True, on_demand=True, swarm="costs")
     gc.disable()
     before, began = _memory_mb(), time.process_time()
     nodes = []

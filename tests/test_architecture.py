@@ -49,7 +49,7 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2700,
+    "hitab_agent": 2750,
     "hitab_bringup": 2250,
     "hitab_class": 200,
     "hitab_cli": 2900,
@@ -60,11 +60,11 @@ BUDGET = {
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1600,
+    "hitab_ros": 1750,
     "hitab_studio": 4400,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 30400,
+    "tests": 30500,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -7,6 +7,7 @@ from hitab_msgs import msg
 from hitab_agent.links.round_gate import RoundGate
 from hitab_agent.node.agent_base import AgentBase
 from hitab_ros import names, qos
+from hitab_ros.messages.cycle_codec import action_bytes, read_percept
 from hitab_ros.messages.stamps import seconds_of
 
 
@@ -26,10 +27,10 @@ class WorldLink:
         """
         self._node = node
         self._gate = RoundGate(node.shared.exchange)
-        # One message is reused for all answers: publishing copies it.
-        self._action = msg.Action(agent=node.agent_name)
         # Discovery announces the two in this order, and the world looks for those that answer.
-        node.create_subscription(msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE)
+        node.create_subscription(
+            msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE, read=read_percept
+        )
         self._actions = node.create_publisher(
             msg.Action, names.in_swarm(node, world, names.ACTIONS), qos.CYCLE
         )
@@ -40,10 +41,9 @@ class WorldLink:
         self._gate.begin(percept.sequence, awaited, lambda: self._act(percept), look=percept.look)
 
     def _act(self, percept: msg.Percept) -> None:
-        action = self._action
-        action.values, action.say = self._node.answer(percept)
-        action.sequence = percept.sequence
-        self._actions.publish(action)
+        values, say = self._node.answer(percept)
+        name = self._node.agent_name
+        self._actions.publish(action_bytes(name, percept.sequence, values, say))
 
     def close(self) -> None:
         """Do nothing: the world notices that an agent is gone."""

@@ -128,15 +128,17 @@ class GuardedNode(Node):
         checked: bool = True,
         temporary: bool = False,
         raw: bool = False,
+        read: Callable[[bytes], Any] | None = None,
         **options: Any,
     ) -> Any:
-        """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped.
+        """Subscribe; see `rclpy.node.Node`, and `Guard.wrap_topic` for ``checked`` and ``read``.
 
         Messages of more than `hitab_ros.messages.checks.BYTES_MAX` are dropped before
         deserialization, unless the callback takes ``raw`` messages.
         """
         kind = None if raw else msg_type
-        guarded = self.guard.wrap_topic(f"topic {topic}", kind, callback, checked=checked)
+        key = f"topic {topic}"
+        guarded = self.guard.wrap_topic(key, kind, callback, checked=checked, read=read)
         if temporary:
             events = SubscriptionEventCallbacks(use_default_callbacks=False)
             options = {"event_callbacks": events, **options}
