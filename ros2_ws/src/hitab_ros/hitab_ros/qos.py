@@ -18,6 +18,14 @@ LATCHED_BY_MANY = QoSProfile(
 )
 """Profile for a subscriber to the states of many publishers, each of which counts."""
 
+STATUSES = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""Batches of statuses; a host repeats all of them for a new subscriber."""
+
 EVENTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=200, reliability=ReliabilityPolicy.RELIABLE
 )

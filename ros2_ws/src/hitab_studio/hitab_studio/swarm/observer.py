@@ -118,7 +118,7 @@ class Observer:
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
         self._events: dict[str, deque[TransitionEvent]] = {}
-        self._commanders = CommanderView(link, agents.prefix, target.identity)
+        self._commanders = CommanderView(agents)
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(link)
