@@ -1,4 +1,4 @@
-"""Watching a swarm costs the same number of subscriptions and looks, however many agents it has."""
+"""Watching a swarm takes as many subscriptions and looks at the graph, however large it is."""
 
 from collections import Counter
 from collections.abc import Iterator

@@ -43,6 +43,7 @@ class AgentPresence(SwarmListener):
         statuses: the last status of each agent of the swarm, by name.
         unheard: the expected agents that have not reported, in order.
         faulty: the agents with faults.
+        news: the agents that have reported since an observer cleared it.
     """
 
     def __init__(
@@ -60,6 +61,7 @@ class AgentPresence(SwarmListener):
         self.processes = processes or RunProcesses()
         self.statuses: dict[str, AgentStatus] = {}
         self.faulty: dict[str, None] = {}
+        self.news: set[str] = set()
         self._watched: set[str] = set()
         self._hosted: set[str] = set()
         self._groups: dict[str, CommanderStatus] = {}
@@ -123,6 +125,7 @@ class AgentPresence(SwarmListener):
             known = self.statuses.get(agent)
             if known is None or not is_older(status, known):
                 self.statuses[agent] = status
+                self.news.add(agent)
                 if status.faults:
                     self.faulty[agent] = None
                 else:
@@ -151,6 +154,13 @@ class AgentPresence(SwarmListener):
             agent = names.agent_of_status(topic, self.prefix)
             if agent is not None and not self.is_hosted(agent):
                 self._watch(agent)
+
+    def gone(self) -> list[str]:
+        """Return the agents that have left the graph, of those with topics of their own."""
+        publishers = self.link.node.count_publishers
+        alone = (a for a in self._watched if not (self.is_large and self.is_hosted(a)))
+        topics = {a: names.of_agent(a, names.STATUS, self.prefix) for a in alone}
+        return [a for a, topic in topics.items() if a in self.statuses and not publishers(topic)]
 
     def agents(self) -> list[str]:
         """Return the names of the agents that have reported so far."""

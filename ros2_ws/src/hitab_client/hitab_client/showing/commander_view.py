@@ -27,6 +27,7 @@ class CommanderView(SwarmListener):
 
     Attributes:
         groups: each commander's latest report about its group, by name.
+        reports: number of reports so far.
         incomplete: the watched commanders that have not heard from all their subordinates yet.
     """
 
@@ -34,6 +35,7 @@ class CommanderView(SwarmListener):
         super().__init__(agents.link, agents.prefix, agents.identity)
         self._agents = agents
         self.groups: dict[str, CommanderStatus] = {}
+        self.reports = 0
         self.incomplete: dict[str, None] = {}
         self._watched: set[str] = set()
         self._unheard: dict[str, None] = {}
@@ -73,6 +75,7 @@ class CommanderView(SwarmListener):
         self._unheard.pop(name, None)
         if self._is_own(name, group.swarm):
             self.groups[name] = group
+            self.reports += 1
             if not any(member.silent for member in group.subordinates):
                 self.incomplete.pop(name, None)
             elif name in self._watched:
