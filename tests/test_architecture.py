@@ -49,12 +49,12 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2300,
-    "hitab_bringup": 2_205,
+    "hitab_agent": 2550,
+    "hitab_bringup": 2250,
     "hitab_class": 200,
     "hitab_cli": 2900,
-    "hitab_client": 3_980,
-    "hitab_commander": 1050,
+    "hitab_client": 3990,
+    "hitab_commander": 1100,
     "hitab_core": 9700,
     "hitab_export": 900,
     "hitab_gamepad": 400,
@@ -64,7 +64,7 @@ BUDGET = {
     "hitab_studio": 4400,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 30_150,
+    "tests": 30250,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -67,11 +67,11 @@ def test_each_agent_is_a_node_with_topics_and_services_of_its_own(swarm: Running
 
     nodes = {f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces()}
     assert {f"/forager_{i + 1}/agent" for i in range(AGENTS)} <= nodes
-    # They are made when the first client asks.
+    # Each is made when the first client asks.
     assert "/forager_60/perform" not in services()
     swarm.agents.do("forager_60", Perform("Forward"))
-    assert "/forager_60/save_behavior" in services()
-    assert "/forager_59/save_behavior" not in services()
+    assert "/forager_60/perform" in services()
+    assert "/forager_60/save_behavior" not in services()
     assert swarm.link.spin_until(lambda: "Forward" in performed(swarm), SECONDS)
     assert "RotateLeft" in [b.name for b in swarm.agents.vocabulary("forager_60").behaviors]
     with pytest.raises(SwarmError, match="unknown behavior"):

@@ -1,57 +1,91 @@
-"""The operations of an agent as services of its node.
+"""The operations of an agent as services of its node, and commands on topics.
 
-An operation arrives with a request, or with a message on the command topic. It goes through one
+An operation arrives with a request, or with a message on a topic of commands. It goes through one
 function, `AgentBase.do`, which also publishes what became of it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
 
 from hitab_msgs import msg, srv
 
+from hitab_agent.endpoints import HeardTopic, OfferedService
 from hitab_agent.node.agent_base import AgentBase
 from hitab_core import HitabError, operations
 from hitab_core.codec import from_dict
 from hitab_core.training.operation import Operation
-from hitab_ros import names, qos
+from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import refuse
 from hitab_ros.messages.checks import BadMessage, check
 from hitab_ros.messages.conversions import message_of
 
 
-class CommandTopic:
-    """Receives commands that need no answer; the agent's status shows what became of them."""
+def command_topic(node: AgentBase) -> HeardTopic:
+    """Return the topic of commands that need no answer: the status shows what became of them."""
+    return HeardTopic(
+        node,
+        names.COMMAND,
+        lambda: node.create_subscription(
+            msg.Command,
+            names.COMMAND,
+            partial(obey, node),
+            qos.EVENTS,
+            checked=False,  # `obey` checks it, so that the status shows the sender what is wrong
+            temporary=True,
+        ),
+    )
 
-    def __init__(self, node: AgentBase) -> None:
-        """Subscribe to commands."""
-        self._node = node
-        # Checked below, so that the status shows the sender what is wrong.
-        node.create_subscription(
-            msg.Command, names.COMMAND, self._on_command, qos.EVENTS, checked=False
-        )
 
-    def _on_command(self, command: msg.Command) -> None:
-        try:
-            check(command)
-        except BadMessage as error:
-            self._node.answered(error)
-            return
-        with suppress(HitabError):  # a refusal, which the status shows
-            self._node.do(from_dict(operations.Command, command))
+def obey(node: AgentBase, command: msg.Command) -> None:
+    """Make an agent obey a command; its status shows what became of it."""
+    try:
+        check(command)
+    except BadMessage as error:
+        node.answered(error)
+        return
+    with suppress(HitabError):  # a refusal, which the status shows
+        node.do(from_dict(operations.Command, command))
+
+
+class CommandsToMany:
+    """Receives commands to many agents at once, and passes on those to a host's own."""
+
+    def __init__(self, host: GuardedNode, nodes: Sequence[AgentBase]) -> None:
+        """Subscribe; ``nodes`` are the nodes of the host's agents, read at each message."""
+        self._nodes = nodes
+        topic = names.in_swarm(host, names.COMMANDS)
+        host.create_subscription(msg.Commands, topic, self._pass_on, qos.EVENTS, checked=False)
+
+    def _pass_on(self, batch: msg.Commands) -> None:
+        if len(batch.agents) != len(batch.commands):
+            raise HitabError(
+                f"{len(batch.agents)} agents and {len(batch.commands)} commands came on the topic "
+                f"{names.COMMANDS}; send one command for each agent"
+            )
+        commands = dict(zip(batch.agents, batch.commands, strict=True))
+        for node in self._nodes:
+            if (command := commands.get(node.agent_name)) is not None:
+                node.guard.run("topic commands", obey, node, command)
 
 
 class AgentServices:
-    """Offers an agent's operations; a refusal is a reply with ``success`` false and the reason."""
+    """An agent's operations; a refusal is a reply with ``success`` false and the reason.
+
+    Attributes:
+        endpoints: the services.
+    """
 
     def __init__(self, node: AgentBase) -> None:
-        """Offer the services of an agent's node."""
+        """Prepare the services of an agent's node."""
         self._node = node
-        for name, kind in operations.OPERATIONS.items():
-            serve = partial(self._serve, kind)
-            node.create_service(getattr(srv, kind.__name__), name, serve)
+        self.endpoints = [
+            OfferedService(node, getattr(srv, kind.__name__), name, partial(self._serve, kind))
+            for name, kind in operations.OPERATIONS.items()
+        ]
 
     def _serve(self, kind: type[Operation], request: Any, response: Any) -> Any:
         """Carry out the operation of a request; the reply has the status after it."""

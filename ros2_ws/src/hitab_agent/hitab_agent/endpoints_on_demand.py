@@ -1,62 +1,69 @@
-"""Endpoints that are created when the first node at their other end appears.
+"""Endpoints that exist while there is a node at their other end; see `hitab_agent.endpoints`.
 
-An agent has a dozen services, each with two endpoints, and topics that few ever use. DDS announces
-each endpoint to every process of the swarm: a thousand agents would take minutes to start and
-gigabytes to run. A host therefore looks for clients, publishers and subscribers, and creates what
-they need when it finds one. The client's requests wait until then, as those of any client that
-starts before its service; a reliable publisher waits for its match.
+A client's requests wait until the service is there, as those of any client that starts before its
+service; a reliable publisher such as that of ``ros2 topic pub`` waits for its match.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
+from hitab_agent.endpoints import Endpoint
+from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.scheduler import Scheduler
 from hitab_ros import GuardedNode
-from hitab_ros.timing import LOOK_EACH_S, POLL_S
+from hitab_ros.timing import POLL_S
+
+UNUSED_LOOKS = 40
+"""Looks after which an endpoint that nobody uses any more goes: ten seconds, since most people who
+ask once ask again."""
+
+
+Key = tuple[bool, str]
+"""Whether it is a service, and its full name: a topic and a service may have the same."""
 
 
 class EndpointsOnDemand:
-    """Creates services and topics of a process's nodes for the first that asks for them."""
+    """Opens and closes the endpoints of a process's agents."""
 
-    def __init__(self, host: GuardedNode, scheduler: Scheduler, agents: int) -> None:
+    def __init__(self, host: GuardedNode, scheduler: Scheduler) -> None:
         """Begin to look for the other ends.
 
         Args:
             host: the node whose view of the ROS graph is used.
             scheduler: the process's scheduler.
-            agents: number of the process's agents.
         """
         self._host = host
-        self._services: dict[str, Callable[[], object]] = {}
-        self._topics: dict[str, Callable[[], object]] = {}
-        scheduler.every(max(POLL_S, agents * LOOK_EACH_S), self.look)
+        self._nodes: dict[str, AgentBase] = {}  # by namespace
+        self._open: dict[Key, tuple[AgentBase, Endpoint]] = {}
+        self._unused: dict[Key, int] = {}  # looks since the last use
+        scheduler.every(POLL_S, self.look)
 
-    def add_services(self, node: GuardedNode, offer: Callable[[], None]) -> None:
-        """Call ``offer`` once, when a client of a service below the node's namespace appears."""
-        guarded = node.guard.wrap("offering services", offer)
-        namespaces = (node.get_namespace(), node.get_fully_qualified_name())
-
-        def offer_once() -> None:
-            for namespace in namespaces:
-                self._services.pop(namespace, None)
-            guarded()
-
-        self._services |= dict.fromkeys(namespaces, offer_once)
-
-    def add_topic(self, node: GuardedNode, name: str, offer: Callable[[], object]) -> None:
-        """Call ``offer`` once, when the topic with a name relative to the node appears."""
-        self._topics[node.resolve_topic_name(name)] = node.guard.wrap(f"offering {name}", offer)
+    def add(self, node: AgentBase) -> None:
+        """Look for those who ask for endpoints of an agent from now on."""
+        self._nodes[node.get_namespace()] = node
 
     def look(self) -> None:
-        """Look for the other ends."""
-        services = self._host.get_service_names_and_types() if self._services else ()
-        for service, _ in services:
-            offer = self._services.get(service.rpartition("/")[0])
-            if offer is not None:
-                offer()
-        topics = self._host.get_topic_names_and_types() if self._topics else ()
-        for topic, _ in topics:
-            offer = self._topics.pop(topic, None)
-            if offer is not None:
-                offer()
+        """Open what is asked for, and close what has not been used for a while."""
+        for key, (node, endpoint) in [*self._open.items()]:
+            unused = 0 if endpoint.is_asked_for(self._host) else self._unused.get(key, 0) + 1
+            self._unused[key] = unused
+            if unused > UNUSED_LOOKS:
+                del self._open[key], self._unused[key]
+                node.guard.run(f"closing {key[1]}", endpoint.close)
+        if self._nodes:
+            topics = self._host.get_topic_names_and_types()
+            services = self._host.get_service_names_and_types()
+            for is_service, found in ((False, topics), (True, services)):
+                for name, _ in found:
+                    self._consider(is_service, name)
+
+    def _consider(self, is_service: bool, name: str) -> None:
+        namespace, _, own = name.rpartition("/")
+        asked = self._nodes.get(namespace)
+        if asked is not None and (is_service, name) not in self._open:
+            asked.guard.run(f"offering {name}", self._offer, asked, is_service, name, own)
+
+    def _offer(self, node: AgentBase, is_service: bool, full_name: str, name: str) -> None:
+        endpoint: Endpoint | None = node.endpoints.find(name, is_service=is_service)
+        if endpoint is not None and endpoint.end is None and endpoint.is_asked_for(self._host):
+            endpoint.open()
+            self._open[is_service, full_name] = node, endpoint

@@ -19,12 +19,14 @@ import sys
 from collections.abc import Mapping
 
 from hitab_msgs.msg import AgentStatus
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
 from hitab_agent.host_resources import HostResources
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
+    Loop,
     Spinner,
     check_name_is_free,
     give_signs_of_life,
@@ -37,8 +39,13 @@ GC_THRESHOLDS = (10_000, 20, 100)
 per collection of the next older one."""
 
 
-def start(spinning: Spinner) -> None:
-    """Create all agents of the roster that the command line names."""
+ALL_ENDPOINTS = ParameterDescriptor(
+    description="open all topics and services of the agents at once, not when somebody asks"
+)
+
+
+def start(spinning: Spinner) -> Loop:
+    """Create all agents of the roster that the command line names; return the main loop."""
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
@@ -53,7 +60,8 @@ def start(spinning: Spinner) -> None:
         use_global_arguments=False,
     )
     spinning.executor.add_node(desk)
-    shared = HostResources(desk, len(entries), swarm)
+    on_demand = not host.declare_parameter("all_endpoints", False, ALL_ENDPOINTS).value
+    shared = HostResources(desk, is_host=True, on_demand=on_demand, swarm=swarm)
     nodes = []
     for entry in entries:
         parameters = {"swarm": swarm, **entry.parameters}
@@ -69,12 +77,14 @@ def start(spinning: Spinner) -> None:
         )
         spinning.executor.add_node(node)
         nodes.append(node)
-    check_name_is_free(spinning, nodes, AgentStatus)
+    check_name_is_free(spinning, nodes, AgentStatus, observer=desk)
     for node in nodes:
         node.join()
     for link in shared.links.values():
         link.listen()
-    shared.roster.publish()
+    roster = shared.roster
+    assert roster is not None, "only hosts have one"
+    roster.publish()
     give_signs_of_life(desk, swarm)
     # The objects made so far stay, and collecting over them would take longer than a cycle.
     # Reference counting frees the objects of a cycle; only errors leave reference cycles, whose
@@ -82,6 +92,14 @@ def start(spinning: Spinner) -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
+
+    def spin(spinning: Spinner) -> int:
+        while not spinning.stopped:
+            spinning.spin_once()
+            roster.refuse_others()
+        return spinning.exit_code
+
+    return spin
 
 
 def _renaming(remap: Mapping[str, str]) -> list[str]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hitab_agent.agent_services import CommandsToMany
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.host.roster_topic import RosterTopic
+from hitab_agent.host.status_batches import StatusBatches
 from hitab_agent.links.order_subscriptions import OrderSubscriptions
 from hitab_agent.links.report_outbox import ReportOutbox
 from hitab_agent.node.agent_base import AgentBase
@@ -40,46 +42,52 @@ class HostResources:
         signs: passes on signs of life of the processes of subordinates.
         distributions: sends and receives behaviors.
         diagnostics: publishes the agents' faults.
-        on_demand: creates services and topics for those who ask; None if each agent offers its own
-            at once.
+        on_demand: opens the agents' endpoints for those who ask; None if all are open.
+        batches: publishes a host's statuses; None if the process is no host.
         roster: publishes a host's roster; None if the process is no host.
         links: the links of a host's agents to their worlds, by the world's name.
         domains: the loaded domains, by name.
         logged: faults of libraries that are in the log.
     """
 
-    def __init__(self, node: GuardedNode, agents: int = 0, swarm: str = "") -> None:
+    def __init__(
+        self,
+        node: GuardedNode,
+        *,
+        is_host: bool = False,
+        on_demand: bool = False,
+        swarm: str = "",
+    ) -> None:
         """Create the resources.
 
         Args:
             node: the node of the only agent, or of a host, in its own namespace.
-            agents: number of a host's agents; 0 if the process is no host.
+            is_host: whether the process is a host.
+            on_demand: whether endpoints are opened for those who ask, instead of all at once.
             swarm: identity of the agents' swarm; empty if none.
         """
         self.nodes: list[AgentBase] = []
-        self.host = node if agents else None
+        self.host = node if is_host else None
         self.scheduler = Scheduler(node)
         self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
         self.orders = OrderSubscriptions(node)
-        self.outbox = ReportOutbox(node, JobQueue(node, TURN_S) if agents else None)
+        self.outbox = ReportOutbox(node, JobQueue(node, TURN_S) if is_host else None)
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
-        self.on_demand: EndpointsOnDemand | None = None
+        self.on_demand = EndpointsOnDemand(node, self.scheduler) if on_demand else None
         self.links: dict[str, HostLink] = {}
         self.domains: dict[str, Domain] = {}
         self.logged: set[str] = set()
-        self.roster = RosterTopic(node, self.nodes, swarm) if agents else None
+        self.roster: RosterTopic | None = None
+        self.batches: StatusBatches | None = None
         self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
         self._readers: dict[int, LibraryReader] = {}
-        if agents:
+        if is_host:
+            self.roster = RosterTopic(node, self.nodes, swarm)
+            self.batches = StatusBatches(node, self.nodes, self.scheduler)
+            CommandsToMany(node, self.nodes)
             node.guard.faults.changed = self._publish_all_soon
-            self.offer_on_demand(node, agents)
-
-    def offer_on_demand(self, node: GuardedNode, agents: int = 1) -> None:
-        """Make the agents create their services when a client appears."""
-        if self.on_demand is None:
-            self.on_demand = EndpointsOnDemand(node, self.scheduler, agents)
 
     def _publish_all_soon(self) -> None:
         """Make all agents publish the current faults of their host."""

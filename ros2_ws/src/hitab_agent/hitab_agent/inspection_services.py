@@ -6,6 +6,7 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
+from hitab_agent.endpoints import OfferedService
 from hitab_agent.node.guarded_tick import failing
 from hitab_agent.topics.automaton_message import automaton_message, training_message
 from hitab_core import (
@@ -33,14 +34,23 @@ Origin: Any = srv.GetBehavior.Response
 
 
 class InspectionServices:
-    """Offers the read-only services; the node's guard turns exceptions into replies."""
+    """The read-only services; the node's guard turns exceptions into replies.
+
+    Attributes:
+        endpoints: the services.
+    """
 
     def __init__(self, node: GuardedNode, agent: Agent) -> None:
         self._agent = agent
-        node.create_service(srv.GetReport, names.GET_REPORT, self._get_report)
-        node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
-        node.create_service(srv.GetBehavior, names.GET_BEHAVIOR, self._get_behavior)
-        node.create_service(srv.ReadFeatures, names.READ_FEATURES, self._read_features)
+        self.endpoints = [
+            OfferedService(node, kind, name, serve)
+            for kind, name, serve in (
+                (srv.GetReport, names.GET_REPORT, self._get_report),
+                (srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary),
+                (srv.GetBehavior, names.GET_BEHAVIOR, self._get_behavior),
+                (srv.ReadFeatures, names.READ_FEATURES, self._read_features),
+            )
+        ]
 
     # -- percepts ---------------------------------------------------------------------------
 

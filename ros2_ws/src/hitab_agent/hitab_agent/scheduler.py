@@ -51,8 +51,8 @@ class Scheduler:
         self._node = node
         self._rates: dict[float, _Rate] = {}
 
-    def every(self, seconds: float, call: Call, guard: Guard | None = None) -> None:
-        """Call a function every so many seconds, from now on.
+    def every(self, seconds: float, call: Call, guard: Guard | None = None) -> Call:
+        """Call a function every so many seconds from now on; return a function that ends this.
 
         Args:
             seconds: time between two calls, s.
@@ -62,7 +62,7 @@ class Scheduler:
         if seconds not in self._rates:
             self._rates[seconds] = _Rate(self._node, seconds)
         guard = guard or self._node.guard
-        self._rates[seconds].add(guard.wrap(name_of(call), call))
+        return self._rates[seconds].add(guard.wrap(name_of(call), call))
 
 
 class _Rate:
@@ -75,11 +75,20 @@ class _Rate:
         self._turn = 0
         self._timer = steady_timer(node, seconds, self._next)
 
-    def add(self, call: Call) -> None:
+    def add(self, call: Call) -> Call:
         self._calls.append(call)
+        self._take_turns()
+
+        def end() -> None:
+            self._calls.remove(call)
+            self._take_turns()
+
+        return end
+
+    def _take_turns(self) -> None:
         # Functions of one rate are called in turns, so that a host with hundreds of them does
         # not delay an order until all have run.
-        turns = min(len(self._calls), max(1, int(self._seconds / (2 * TURN_S))))
+        turns = max(1, min(len(self._calls), int(self._seconds / (2 * TURN_S))))
         if turns != self._turns:
             self._turns = turns
             self._timer.timer_period_ns = round(self._seconds / turns * 1e9)

@@ -76,6 +76,7 @@ class One:
         domain: Domain,
         name: str = "one",
         shared: Any = None,
+        watched: bool = True,
         **parameters: Any,
     ) -> None:
         class OneNode(AgentNode):
@@ -95,6 +96,9 @@ class One:
         self.agent, self.body = self.node.agent, self.node.agent.body
         self.status = msg.AgentStatus()
         desk, self._cycle = process.node, 0
+        if not watched:
+            self.node.join()
+            return
         desk.create_subscription(msg.AgentStatus, self._of(names.STATUS), self._hear, qos.LATCHED)
         self._percepts = desk.create_publisher(msg.Percept, self._of(names.PERCEPT), qos.CYCLE)
         self.node.join()

@@ -75,7 +75,7 @@ class Host:
 
     def __post_init__(self) -> None:
         self.desk = self.process.node
-        self.shared = HostResources(self.desk, self.size)
+        self.shared = HostResources(self.desk, is_host=True, on_demand=True)
         self.nodes = [self._node(number) for number in range(self.size)]
         self.agents = [node.agent for node in self.nodes]
         self._sent = 0
@@ -182,8 +182,9 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
     low = taught(tmp_path / "teacher", "Low", "Left", "Right")
     statuses = []
     for node in host.nodes:
-        publish = node.status._publisher.publish
-        node.status._publisher.publish = lambda s, publish=publish: (
+        end = node.status.topic.end
+        publish = end.publish
+        end.publish = lambda s, publish=publish: (
             statuses.append((s.agent, s.library_digest)),
             publish(s),
         )

@@ -65,7 +65,7 @@ class Swarm:
     ) -> None:
         self._process = process
         self.desk = desk = process.node
-        shared = HostResources(desk, SIZE)
+        shared = HostResources(desk, is_host=True, on_demand=True)
         domain = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):

@@ -126,7 +126,7 @@ def test_changes_of_state_are_logged_while_somebody_listens(one):
 
 
 def test_a_host_tells_of_all_its_agents_in_one_message_and_of_none_in_rosout(process, start):
-    shared = HostResources(process.node, 3)
+    shared = HostResources(process.node, is_host=True, on_demand=True)
     arrays: list[DiagnosticArray] = []
     process.node.create_subscription(DiagnosticArray, "/diagnostics", arrays.append, 10)
     nodes = [start(DOMAIN, name, shared=shared).node for name in ("a", "b", "c")]

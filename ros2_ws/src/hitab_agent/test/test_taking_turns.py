@@ -1,10 +1,12 @@
 """What a host does for many agents is done in turns, and what many need is heard once."""
 
 from collections import Counter
+from types import SimpleNamespace
 from typing import Any
 
 from hitab_msgs import msg, srv
 
+from hitab_agent.endpoints import OfferedService
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.links.order_subscriptions import OrderSubscriptions
 from hitab_agent.scheduler import JobQueue, Scheduler
@@ -80,9 +82,12 @@ def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
     process.add(other)
     process.add(another)
     offered: list[str] = []
-    services = EndpointsOnDemand(node, Scheduler(node), 2)
-    services.add_services(other, fails)
-    services.add_services(another, lambda: offered.append("b"))
+    services = EndpointsOnDemand(node, Scheduler(node))
+    for one, create in ((other, fails), (another, lambda: offered.append("b"))):
+        service = OfferedService(one, srv.Perform, "perform", lambda *rest: None)
+        one.create_service = lambda *rest, create=create: create()
+        one.endpoints = SimpleNamespace(find=lambda *rest, service=service, **more: service)
+        services.add(one)
     for name in ("/a/perform", "/b/perform"):
         node.create_client(srv.Perform, name)
     process.until(lambda: offered and other.guard.faults)

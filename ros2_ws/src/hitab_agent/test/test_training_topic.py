@@ -26,7 +26,7 @@ class Trained:
         self.came: list[msg.Training] = []
         self.agent = Agent("ann", CART, BehaviorLibrary(folder / "library", CART), folder)
         self.topic = TrainingTopic(process.node, self.agent, Scheduler(process.node))
-        self.topic.offer()
+        self.topic.topic.open()
 
     def begin(self) -> Any:
         self.agent.begin(Curriculum("Shuttle", (Term("Position"), Term("Speed"))))

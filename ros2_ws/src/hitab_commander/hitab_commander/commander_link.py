@@ -52,6 +52,7 @@ class CommanderLink:
         self._outbox = shared.outbox
         self.body: CommanderBody = agent.body
         self.group = GroupStatus(node)
+        node.endpoints.topics[names.GROUP] = self.group.topic
         self._lockstep = Lockstep(self.body)
         self._gate = RoundGate(shared.orders)
         self.seconds = 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_msgs import msg
 
-from hitab_agent import AgentNode
+from hitab_agent import AgentNode, PublishedTopic
 from hitab_commander.commander_body import CommanderBody
 from hitab_ros import names, qos
 
@@ -13,29 +13,48 @@ class GroupStatus:
     """Publishes the status of a commander's group when it has changed.
 
     Attributes:
+        topic: the commander's own topic of it.
         changed: whether the group has changed since its status was last published.
     """
 
     def __init__(self, node: AgentNode) -> None:
-        """Create the publisher."""
+        """Prepare to publish."""
         self.changed = True
         self._node = node
         self._published: tuple[object, ...] = ()
-        self._publisher = node.create_publisher(msg.CommanderStatus, names.GROUP, qos.LATCHED)
+        self.topic = PublishedTopic(
+            node,
+            msg.CommanderStatus,
+            names.GROUP,
+            qos.LATCHED,
+            lambda: self.topic.publish(self.message()),
+        )
+        if node.shared.batches is not None:
+            node.shared.batches.groups.append(self)
 
     def publish_if_changed(self) -> None:
         """Publish the status, if anything has changed."""
-        agent, settings = self._node.agent, self._node.settings
-        body: CommanderBody = agent.body
-        path = agent.active_path
-        # A member that has not yet reported under this epoch counts as silent, not as disobeying.
-        silent = [not body.knows_of(name) for name in body.members]
-        faults = self._node.status.faults
-        activity = (agent.mode, agent.behavior, path, silent, faults)
+        agent = self._node.agent
+        silent, faults = self._silent(), self._node.status.faults
+        activity = (agent.mode, agent.behavior, agent.active_path, silent, faults)
         if not self.changed and activity == self._published:
             return
         self.changed = False
         self._published = activity
+        if self.topic.end is not None:
+            self.topic.publish(self.message())
+        if self._node.shared.batches is not None:
+            self._node.shared.batches.tell_group(self)
+
+    def _silent(self) -> list[bool]:
+        # A member that has not yet reported under this epoch counts as silent, not as disobeying.
+        body: CommanderBody = self._node.agent.body
+        return [not body.knows_of(name) for name in body.members]
+
+    def message(self) -> msg.CommanderStatus:
+        """Return the group's status now."""
+        agent, settings = self._node.agent, self._node.settings
+        body: CommanderBody = agent.body
         subordinates = [
             msg.Subordinate(
                 name=name,
@@ -44,21 +63,19 @@ class GroupStatus:
                 silent=quiet,
                 stopped=last is not None and last.stopped,
             )
-            for (name, member), quiet in zip(body.members.items(), silent, strict=True)
+            for (name, member), quiet in zip(body.members.items(), self._silent(), strict=True)
         ]
-        self._publisher.publish(
-            msg.CommanderStatus(
-                commander=agent.name,
-                kind=body.kind.name,
-                superior=settings.commander,
-                mode=agent.mode.value,
-                behavior=agent.behavior,
-                active_path=path,
-                order=body.given,
-                epoch=body.order.epoch,
-                sequence=body.order.sequence,
-                subordinates=subordinates,
-                faults=faults,
-                swarm=settings.swarm,
-            )
+        return msg.CommanderStatus(
+            commander=agent.name,
+            kind=body.kind.name,
+            superior=settings.commander,
+            mode=agent.mode.value,
+            behavior=agent.behavior,
+            active_path=agent.active_path,
+            order=body.given,
+            epoch=body.order.epoch,
+            sequence=body.order.sequence,
+            subordinates=subordinates,
+            faults=self._node.status.faults,
+            swarm=settings.swarm,
         )

@@ -31,12 +31,13 @@ from .nodes.spinning import Spinner as Spinner
 from .nodes.spinning import make_node as make_node
 from .nodes.spinning import run as run
 from .nodes.steady_timer import steady_timer as steady_timer
+from .nodes.unique_name import NameTakenError as NameTakenError
 from .nodes.unique_name import check_name_is_free as check_name_is_free
+from .presence import HostRosters as HostRosters
 from .presence import ListenedTime as ListenedTime
 from .presence import Presence as Presence
 from .presence import Receivers as Receivers
 from .presence import SignsOfLife as SignsOfLife
-from .presence import HostRosters as HostRosters
 from .presence import give_signs_of_life as give_signs_of_life
 from .presence import give_signs_of_operator as give_signs_of_operator
 from .presence import suspensions_noticed as suspensions_noticed

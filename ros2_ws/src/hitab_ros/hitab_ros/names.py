@@ -78,7 +78,8 @@ TELEOP = "cmd_vel_teleop"
 ALIVE = "alive"
 OPERATORS = "operators"  # signs of life of people's consoles
 HOSTS = "hosts"
-STATUSES = "statuses"  # of the agents and commanders in hosts
+STATUSES = "statuses"
+COMMANDS = "commands"
 DISTRIBUTION = "distribution"
 DISTRIBUTION_ACK = "distribution_ack"
 

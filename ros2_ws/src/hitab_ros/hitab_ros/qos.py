@@ -18,14 +18,6 @@ LATCHED_BY_MANY = QoSProfile(
 )
 """Profile for a subscriber to the states of many publishers, each of which counts."""
 
-STATUSES = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=100,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
-"""Batches of statuses; a host repeats all of them for a new subscriber."""
-
 EVENTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=200, reliability=ReliabilityPolicy.RELIABLE
 )
@@ -50,6 +42,14 @@ PERCEIVED = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE
 )
 """Percepts for a recorder, which may fall behind in a fast lockstep."""
+
+STATUSES = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""Statuses in batches: a new subscriber gets all, however soon they follow."""
 
 SIGNS_OF_LIFE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT

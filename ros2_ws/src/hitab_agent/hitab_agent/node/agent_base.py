@@ -26,6 +26,9 @@ class AgentBase(GuardedNode):
         shared: the `HostResources` of its process.
         status: the agent's `StatusPublisher`.
         percept_log: publishes its percepts for recorders, a `PerceptLog`.
+        transition_log: publishes its state changes, a `TransitionLog`.
+        training: publishes what it is being trained, a `TrainingTopic`.
+        endpoints: its other topics and its services, an `AgentEndpoints`.
         stop: the stop of the agent's robot; None if it has none.
     """
 
@@ -35,6 +38,9 @@ class AgentBase(GuardedNode):
     shared: Any
     status: Any
     percept_log: Any
+    transition_log: Any
+    training: Any
+    endpoints: Any
     stop: RobotStop | None = None
 
     def take_in(self, percept: msg.Percept) -> None:

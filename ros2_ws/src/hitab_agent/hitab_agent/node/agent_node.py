@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from hitab_msgs import msg
-from rclpy.parameter_service import ParameterService
 
 from hitab_agent import actions
-from hitab_agent.agent_services import AgentServices, CommandTopic
+from hitab_agent.agent_endpoints import AgentEndpoints
 from hitab_agent.host_resources import HostResources
-from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.links.reach_watch import ReachWatch
 from hitab_agent.links.robot_link import OwnStop, link_class
 from hitab_agent.links.superior_link import SuperiorLink
@@ -81,7 +79,7 @@ class AgentNode(AgentBase):
         super().__init__(node_name, **{**alone, **options})
         self.settings = settings = AgentParameters.declare(self)
         self.agent_name = names.own_name(self)
-        self.shared = shared or HostResources(self)
+        self.shared = shared or HostResources(self, on_demand=settings.services_on_demand)
         self.scheduler = self.shared.scheduler
         domain = self.load_domain(settings.domain)
         if uses_actions(domain):
@@ -106,6 +104,9 @@ class AgentNode(AgentBase):
             self, self.agent, settings, self.shared, self.transition_log, self._prepare_status
         )
         self.training = TrainingTopic(self, self.agent, self.scheduler)
+        self.endpoints = AgentEndpoints(self)
+        if shared is None:
+            self.status.topic.open()  # others that start with this name have to see it
         self._sensed = False
         self._seconds = 0.0
         self._unsettled = True
@@ -161,15 +162,9 @@ class AgentNode(AgentBase):
         self._joined = True
         self.training.searched = self.status.publish_soon
         shared.nodes.append(self)
-        if settings.services_on_demand:
-            shared.offer_on_demand(self)
-        self._offer_topics()
-        if shared.on_demand is None:
-            self._offer_services()
-        else:
-            shared.on_demand.add_services(self, self._offer_services)
         self._join_actions()
         self._join_link()
+        self.endpoints.offer()
         if settings.commander:
             subordinate = Subordinate(self.agent, settings.role)
             self.superior = self.status.superior = SuperiorLink(self, subordinate)
@@ -179,7 +174,6 @@ class AgentNode(AgentBase):
             self._reach = ReachWatch(self)
         training, performed = self.agent.session, self.memory.performed
         if training is not None:
-            self.training.offer()
             self.status.began(
                 note=f'resumed the interrupted training of "{training.curriculum.name}" '
                 f"with {quantity(len(training.log), 'example')}"
@@ -224,22 +218,6 @@ class AgentNode(AgentBase):
             self.superior.obey_again()
         self.settle()
         self.status.publish_soon()
-
-    def _offer_topics(self) -> None:
-        """Offer topics of demonstrators and observers; a host on demand, unless in training."""
-        log, receive = self.transition_log, partial(CommandTopic, self)
-        for name, offer in ((names.COMMAND, receive), (names.TRANSITIONS, log.offer)):
-            if self.shared.host is None or self.agent.session is not None:
-                offer()
-            else:
-                self.shared.on_demand.add_topic(self, name, offer)
-
-    def _offer_services(self) -> None:
-        self.training.offer()
-        AgentServices(self)
-        InspectionServices(self, self.agent)
-        if self.shared.host is None:
-            ParameterService(self)
 
     def farewell(self) -> None:
         """Cancel the agent's actions, and stop its robot by the link.

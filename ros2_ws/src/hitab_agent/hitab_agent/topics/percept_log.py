@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from hitab_msgs import msg
 
+from hitab_agent.endpoints import PublishedTopic
 from hitab_agent.node.agent_base import AgentBase
 from hitab_ros import Receivers, names, qos
 from hitab_ros.timing import POLL_S
@@ -14,31 +13,41 @@ from hitab_ros.timing import POLL_S
 class PerceptLog:
     """Publishes each percept that an agent takes in, while the topic has a subscriber.
 
-    A new subscriber first gets the last percept again, since a paused world sends no other.
+    A new subscriber first gets the last percept again, since a paused world sends no other; from
+    an agent in a host, it gets the next one.
+
+    Attributes:
+        topic: the topic, which is created only for a subscriber.
     """
 
     def __init__(self, node: AgentBase) -> None:
-        """Begin to look for subscribers, unless the agent runs in a host."""
+        """Prepare to publish."""
         self._node = node
-        self._publisher: Any = None
         self._receivers: Receivers | None = None
         self._last: msg.Percept | None = None
-        if node.shared.host is None:
-            node.shared.scheduler.every(POLL_S, self._look, node.guard)
+        self.topic = PublishedTopic(
+            node, msg.Percept, names.PERCEIVED, qos.PERCEIVED, self._opened, self._closed
+        )
 
     def tell(self, percept: msg.Percept) -> None:
         """Publish a percept that the agent is about to take in."""
+        if self._node.shared.host is not None:
+            if self._receivers is None:
+                return
+            percept = msg.Percept(**vars(percept))  # the host reuses its object
         self._last = percept
         if self._receivers is not None and self._receivers.count:
-            self._publisher.publish(percept)
+            self.topic.publish(percept)
+
+    def _opened(self) -> None:
+        self._receivers = Receivers(self._node, self.topic.end)
+        self._stop = self._node.shared.scheduler.every(POLL_S, self._look, self._node.guard)
+
+    def _closed(self) -> None:
+        self._receivers = None
+        self._stop()
 
     def _look(self) -> None:
-        if self._receivers is None:
-            if not self._node.count_subscribers(names.PERCEIVED):
-                return
-            self._publisher = self._node.create_publisher(
-                msg.Percept, names.PERCEIVED, qos.PERCEIVED
-            )
-            self._receivers = Receivers(self._node, self._publisher)
-        if self._receivers.look() and self._receivers.count and self._last is not None:
-            self._publisher.publish(self._last)
+        receivers, last = self._receivers, self._last
+        if receivers is not None and receivers.look() and receivers.count and last is not None:
+            self.topic.publish(last)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from hitab_msgs import msg
 
+from hitab_agent.endpoints import PublishedTopic
 from hitab_agent.host_resources import HostResources
 from hitab_agent.links.superior_link import SuperiorLink
 from hitab_agent.node.settings import AgentParameters
@@ -42,6 +43,7 @@ class StatusPublisher:
 
     Attributes:
         message: the status; the handlers of requests record their outcome in it.
+        topic: the agent's own topic of its status.
         path: the last published path of active states.
         superior: the link to the agent's commander; None if it has none.
     """
@@ -83,7 +85,9 @@ class StatusPublisher:
         self._began = Beginning()
         self._began_in: tuple[object, ...] = ()
         self._is_due = False
-        self._publisher = node.create_publisher(msg.AgentStatus, names.STATUS, qos.LATCHED)
+        self.topic = PublishedTopic(
+            node, msg.AgentStatus, names.STATUS, qos.LATCHED, self._publish_again
+        )
 
     @property
     def refusal(self) -> str:
@@ -187,7 +191,13 @@ class StatusPublisher:
             status.order.commander = self.superior.commander
             status.order.behavior = subordinate.ordered or ""
             status.order.waits = subordinate.waits
-        self._publisher.publish(status)
+        self.topic.publish(status)
+        if self._shared.batches is not None:
+            self._shared.batches.tell_status(status)
+
+    def _publish_again(self) -> None:
+        if self.message.sequence:
+            self.topic.publish(self.message)
 
     def _log_missing(self) -> None:
         """Log the agent's lost behaviors, each once for all agents of the process."""

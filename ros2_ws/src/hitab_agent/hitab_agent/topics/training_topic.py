@@ -8,6 +8,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
+from hitab_agent.endpoints import PublishedTopic
 from hitab_agent.scheduler import Job, JobQueue, Scheduler
 from hitab_agent.topics.automaton_message import question_message, training_message
 from hitab_core import Agent, TrainingSession
@@ -25,13 +26,14 @@ class TrainingTopic:
     message is built without a subscriber.
 
     Attributes:
+        topic: the topic.
         revision: number that increases with each change of the training or the mode, also across
             restarts; 0 if nothing is being trained.
         searched: called after each search for questions.
     """
 
     def __init__(self, node: GuardedNode, agent: Agent, scheduler: Scheduler) -> None:
-        """Prepare to publish; `offer` creates the topic.
+        """Prepare to publish.
 
         Args:
             node: the agent's node.
@@ -44,7 +46,9 @@ class TrainingTopic:
         self._agent = agent
         self._scheduler = scheduler
         self._jobs: JobQueue | None = None
-        self._publisher: Any = None
+        self.topic = PublishedTopic(
+            node, msg.Training, names.TRAINING, qos.LATCHED, self._opened, self._closed
+        )
         self._last = time.time_ns() // 1000
         self._seen: tuple[Any, ...] = (None,)
         self._mode = agent.mode
@@ -54,14 +58,14 @@ class TrainingTopic:
         self._searching = False
         self._changed_at = self._next = 0.0
 
-    def offer(self) -> None:
-        """Create the topic, unless it is there."""
-        if self._publisher is None:
-            self._publisher = self._node.create_publisher(
-                msg.Training, names.TRAINING, qos.LATCHED
-            )
+    def _opened(self) -> None:
+        self._published = (0, True)
+        if self._jobs is None:
             self._jobs = JobQueue(self._node)
-            self._scheduler.every(UPDATE_S, self.look, self._node.guard)
+        self._stop = self._scheduler.every(UPDATE_S, self.look, self._node.guard)
+
+    def _closed(self) -> None:
+        self._stop()
 
     def notice(self) -> int:
         """Compare the training and the mode with those published last; return the revision."""
@@ -83,7 +87,7 @@ class TrainingTopic:
         """Publish a new revision, if it is due and the topic has a subscriber."""
         session, now = self._agent.session, time.monotonic()
         self.notice()
-        if self._publisher is None or now < self._next:
+        if self.topic.end is None or now < self._next:
             return
         state = self.revision, self._searched == self.revision
         if state == self._published:
@@ -91,13 +95,13 @@ class TrainingTopic:
         elif session is None:
             self._cost = msg.TrainingCost()
             self._publish(msg.Training(agent=self._agent.name, revision=self._last), state)
-        elif self._publisher.get_subscription_count():
+        elif self.topic.is_listened_to:
             self._publish(self._message(session), state)
             self._next = time.monotonic() + UPDATE_S
 
     def _publish(self, message: msg.Training, state: tuple[int, bool]) -> None:
         self._published = state
-        self._publisher.publish(message)
+        self.topic.publish(message)
 
     def _message(self, session: TrainingSession) -> msg.Training:
         asked, history = session.questions, session.log.history
@@ -125,7 +129,7 @@ class TrainingTopic:
             and self._searched != self.revision
             and not self._searching
             and now >= self._changed_at + SETTLE_S
-            and self._publisher.get_subscription_count()
+            and self.topic.is_listened_to
         ):
             self._searching = True
             self._jobs.do(self._searches(session, session.examples))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
-from rclpy.node import Node
 
+from hitab_agent.endpoints import PublishedTopic
 from hitab_core.running import Change
-from hitab_ros import SparingLog, names, qos
+from hitab_ros import GuardedNode, SparingLog, names, qos
 from hitab_ros.messages.conversions import values_message
 from hitab_ros.timing import POLL_S
 
@@ -19,10 +17,15 @@ class TransitionLog:
 
     The changes can also be logged, at info level and a limited rate, while ``/rosout`` has a
     subscriber.
+
+    Attributes:
+        topic: the topic.
+        stamp, cycle: time and number of the agent's present cycle.
+        changed: whether there was a change since this was last set.
     """
 
-    def __init__(self, node: Node, *, logs: bool = False) -> None:
-        """Prepare to publish; see `offer`.
+    def __init__(self, node: GuardedNode, *, logs: bool = False) -> None:
+        """Prepare to publish.
 
         Args:
             node: the agent's node.
@@ -31,17 +34,11 @@ class TransitionLog:
         self._node = node
         self._logs = logs
         self._write: SparingLog | None = None
-        self._publisher: Any = None
+        self.topic = PublishedTopic(node, msg.TransitionEvent, names.TRANSITIONS, qos.EVENTS)
         self._agent = names.own_name(node)
         self.stamp = Time()
         self.cycle = 0
         self.changed = False
-
-    def offer(self) -> None:
-        """Create the publisher."""
-        self._publisher = self._node.create_publisher(
-            msg.TransitionEvent, names.TRANSITIONS, qos.EVENTS
-        )
 
     def look(self) -> None:
         """Check whether the log has a subscriber."""
@@ -58,8 +55,8 @@ class TransitionLog:
         next cycle.
         """
         self.changed = True
-        if self._publisher is not None and self._publisher.get_subscription_count():
-            self._publisher.publish(self._event(change))
+        if self.topic.is_listened_to:
+            self.topic.publish(self._event(change))
         if self._write is not None:
             self._write(f"{self._agent}: {_in_one_line(change)}", object())
 

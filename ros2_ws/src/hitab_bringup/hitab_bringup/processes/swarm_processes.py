@@ -22,6 +22,10 @@ from hitab_ros.names import WORLD
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
+ALL_ENDPOINTS_MAX = 25
+"""Number of agents and commanders up to which hosts open all of their endpoints at once, so that
+ROS's tools list them; more would make the start noticeably longer."""
+
 EAGER_PROCESSES_MAX = 25
 """Number of processes above which each creates its services only on request."""
 
@@ -56,6 +60,8 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
             found.append(Process(name, module, (), space, remap, settings, agents=names))
         else:
             settings = {"roster": str(_roster_file(folder, name)), **own}
+            if len(swarm.members) <= ALL_ENDPOINTS_MAX:
+                settings["all_endpoints"] = True
             found.append(
                 Process(name, HOST_MODULE, (), swarm.namespace, {}, settings, agents=names)
             )

@@ -6,7 +6,7 @@ import secrets
 from collections.abc import Sequence
 from typing import Any
 
-from hitab_msgs.msg import Alive
+from hitab_msgs.msg import Alive, HostRoster
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -16,6 +16,7 @@ from hitab_ros import names, qos
 from hitab_ros.nodes.definitions import check_same_message_version
 from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.nodes.spinning import FinalError, Spinner
+from hitab_ros.presence import ROSTERS
 from hitab_ros.timing import CONNECT_S, FOUND_S
 
 _PARTICIPANT = 12  # bytes of an endpoint's identifier that identify the process
@@ -25,14 +26,20 @@ class NameTakenError(FinalError):
     """Another node with the same name is up; restarting does not help."""
 
 
-def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: type[Any]) -> None:
+def check_name_is_free(
+    spinning: Spinner,
+    nodes: Sequence[GuardedNode],
+    status: type[Any],
+    observer: GuardedNode | None = None,
+) -> None:
     """Check for a while that no other process has a node of these names.
 
     Args:
         spinning: spinner to wait with, whose executor has the nodes.
-        nodes: nodes about to join the swarm. Each must have a publisher on its status topic but
-            must not have published yet.
-        status: type of the messages on that topic.
+        nodes: nodes about to join the swarm. None may have published a status yet.
+        status: type of the messages on their status topics.
+        observer: a host's node, below whose own namespace the swarm's topics are; None if there is
+            one node, which then must have a publisher on its status topic.
 
     Raises:
         NameTakenError: if a name is taken; names the agent that is already up, and its swarm
@@ -40,25 +47,37 @@ def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: 
         HitabError: if a name is taken by a node of the same swarm.
         DefinitionsDifferError: if a node defines the project's messages differently.
     """
+    # Other nodes with these names that are up: with the swarm of each, by name.
+    established: dict[str, str] = {}
+    observer = observer or nodes[0]
+    named = {names.own_name(node): node for node in nodes}
+
+    def hear_roster(roster: HostRoster) -> None:
+        established.update(dict.fromkeys(named.keys() & set(roster.agents), roster.swarm))
+
+    topic = names.in_swarm(observer, names.HOSTS)
+    rosters = observer.create_subscription(HostRoster, topic, hear_roster, ROSTERS, temporary=True)
     # The identifier of an endpoint that can only be this process's reveals its other endpoints.
     # Its random part is a setting without effect, since security policies allow no random names.
     lifespan = Duration(seconds=1 + secrets.randbelow(2**31 - 2))  # the range that DDS announces
-    topic = names.in_swarm(nodes[0], names.ALIVE)
+    topic = names.in_swarm(observer, names.ALIVE)
     profile = QoSProfile(depth=1, lifespan=lifespan)
-    marked = nodes[0].create_publisher(Alive, topic, profile, temporary=True)
+    marked = observer.create_publisher(Alive, topic, profile, temporary=True)
     spinning.spin_until(lambda: False, CONNECT_S)
-    check_same_message_version(nodes[0])
+    check_same_message_version(observer)
     ours = {
         _participant(end)
-        for end in nodes[0].get_publishers_info_by_topic(marked.topic_name)
+        for end in observer.get_publishers_info_by_topic(marked.topic_name)
         if end.qos_profile.lifespan == lifespan
     }
-    nodes[0].destroy_publisher(marked)
-    doubtful = {node: others for node in nodes if (others := _participants(node) - ours)}
-    if not doubtful:
-        return
-    # Other nodes with these names that have published a status were up first.
-    established: dict[str, str] = {}  # with the swarm of each, by name
+    observer.destroy_publisher(marked)
+    observer.destroy_subscription(rosters)
+    for name, swarm in established.items():
+        raise _taken(name, swarm, _swarm_of(named[name]))
+    topics = {topic for topic, _ in observer.get_topic_names_and_types()}
+    doubtful = [
+        node for node in nodes if _status_of(node) in topics and _participants(node) - ours
+    ]
     listeners = []
     for node in doubtful:
         name = names.own_name(node)
@@ -74,9 +93,13 @@ def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: 
     def undecided(node: GuardedNode) -> bool:
         if names.own_name(node) in established:
             return False
-        return min(_participants(node) - ours, default=ours_first) < ours_first
+        others = _participants(node) - ours
+        # A host shows no status before it is up, so it cannot be the first of two.
+        return min(others, default=ours_first) < ours_first if len(nodes) == 1 else bool(others)
 
     ours_first = min(ours)
+    if not doubtful:
+        return
     try:
         spinning.spin_until(lambda: len(established) == len(doubtful), CONNECT_S)
         # Of two that start at once, the one with the lower identifier continues, and the other
@@ -107,8 +130,11 @@ def _swarm_of(node: GuardedNode) -> str:
 
 def _participants(node: GuardedNode) -> set[bytes]:
     """Return the processes that publish a status in a node's namespace."""
-    topic = f"{node.get_namespace().rstrip('/')}/{names.STATUS}"
-    return {_participant(end) for end in node.get_publishers_info_by_topic(topic)}
+    return {_participant(end) for end in node.get_publishers_info_by_topic(_status_of(node))}
+
+
+def _status_of(node: GuardedNode) -> str:
+    return f"{node.get_namespace().rstrip('/')}/{names.STATUS}"
 
 
 def _participant(end: TopicEndpointInfo) -> bytes:

@@ -1,0 +1,167 @@
+"""Endpoints of an agent's node: topics and services that it creates at once, or for those who ask.
+
+DDS announces each endpoint to every process of the swarm. An agent has some thirty, of which few
+are used: a thousand agents would take minutes to start and gigabytes to run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from hitab_ros import GuardedNode
+
+Create = Callable[[], Any]
+
+
+def _nothing() -> None:
+    pass
+
+
+class Endpoint:
+    """A topic or service of a node, by its name relative to the node.
+
+    Attributes:
+        short_name: its name relative to the node.
+        end: the publisher, subscription or service; None while there is none.
+    """
+
+    __slots__ = ("_node", "end", "short_name")
+
+    def __init__(self, node: GuardedNode, name: str) -> None:
+        self._node = node
+        self.short_name = name
+        self.end: Any = None
+
+    @property
+    def name(self) -> str:
+        """The full name."""
+        return str(self._node.resolve_topic_name(self.short_name))
+
+    def open(self) -> None:
+        """Create the publisher, subscription or service, unless it is there."""
+        if self.end is None:
+            self.end = self._create()
+
+    def close(self) -> None:
+        """Destroy it, unless it was."""
+        end, self.end = self.end, None
+        if end is not None:
+            self._destroy(end)
+
+    def is_asked_for(self, observer: Node) -> bool:
+        """Whether there is an endpoint at the other end, as a node sees the ROS graph."""
+        raise NotImplementedError
+
+    def _create(self) -> Any:
+        raise NotImplementedError
+
+    def _destroy(self, end: Any) -> None:
+        raise NotImplementedError
+
+
+class PublishedTopic(Endpoint):
+    """A topic that a node publishes.
+
+    Args:
+        node: the node.
+        kind: type of the messages.
+        name: name of the topic.
+        profile: QoS profile.
+        opened: called when the publisher was created, for example to publish what is latched.
+        closed: called when it was destroyed.
+    """
+
+    __slots__ = ("_closed", "_kind", "_opened", "_profile")
+
+    def __init__(
+        self,
+        node: GuardedNode,
+        kind: Any,
+        name: str,
+        profile: QoSProfile,
+        opened: Callable[[], object] = _nothing,
+        closed: Callable[[], object] = _nothing,
+    ) -> None:
+        super().__init__(node, name)
+        self._kind, self._profile = kind, profile
+        self._opened, self._closed = opened, closed
+
+    def open(self) -> None:
+        """Create the publisher, unless it is there."""
+        if self.end is None:
+            super().open()
+            self._opened()
+
+    def close(self) -> None:
+        """Destroy the publisher, unless it was."""
+        if self.end is not None:
+            super().close()
+            self._closed()
+
+    def publish(self, message: Any) -> None:
+        """Publish a message, if there is a publisher."""
+        if self.end is not None:
+            self.end.publish(message)
+
+    @property
+    def is_listened_to(self) -> bool:
+        """Whether there is a publisher with subscribers."""
+        return self.end is not None and self.end.get_subscription_count() > 0
+
+    def is_asked_for(self, observer: Node) -> bool:
+        """Whether there is a subscriber."""
+        return observer.count_subscribers(self.name) > 0
+
+    def _create(self) -> Any:
+        return self._node.create_publisher(
+            self._kind, self.short_name, self._profile, temporary=True
+        )
+
+    def _destroy(self, end: Any) -> None:
+        self._node.destroy_publisher(end)
+
+
+class HeardTopic(Endpoint):
+    """A topic to which a node subscribes; ``create`` returns the subscription, a temporary one."""
+
+    __slots__ = ("_subscribe",)
+
+    def __init__(self, node: GuardedNode, name: str, create: Create) -> None:
+        super().__init__(node, name)
+        self._subscribe = create
+
+    def is_asked_for(self, observer: Node) -> bool:
+        """Whether there is a publisher."""
+        return observer.count_publishers(self.name) > 0
+
+    def _create(self) -> Any:
+        return self._subscribe()
+
+    def _destroy(self, end: Any) -> None:
+        self._node.destroy_subscription(end)
+
+
+class OfferedService(Endpoint):
+    """A service of a node."""
+
+    __slots__ = ("_kind", "_serve")
+
+    def __init__(
+        self, node: GuardedNode, kind: Any, name: str, serve: Callable[[Any, Any], Any]
+    ) -> None:
+        super().__init__(node, name)
+        self._kind, self._serve = kind, serve
+
+    def is_asked_for(self, observer: Node) -> bool:
+        """Whether there is a client."""
+        return observer.count_clients(self.name) > 0
+
+    def _create(self) -> Any:
+        return self._node.create_service(self._kind, self.short_name, self._serve)
+
+    def _destroy(self, end: Any) -> None:
+        self._node.destroy_service(end)
