@@ -80,7 +80,7 @@ class SwarmState:
     @cached_property
     def unheard(self) -> tuple[str, ...]:
         """Names of the expected agents that were never heard."""
-        return _in_order(self.members - self.statuses.keys())
+        return _in_order(self.members.difference(self.statuses))
 
     @property
     def is_waiting(self) -> bool:
