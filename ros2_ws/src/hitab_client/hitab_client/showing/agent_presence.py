@@ -94,7 +94,8 @@ class AgentPresence(SwarmListener):
         if not self._hears_hosts:
             self._hears_hosts = True
             topic = names.of_swarm(names.STATUSES, self.prefix)
-            self.link.subscribe(HostStatuses, topic, self._take_batch, qos.STATUSES)
+            # Without the history, since each host sends everything to a new subscriber.
+            self.link.subscribe(HostStatuses, topic, self._take_batch, qos.ROLL_CALL)
 
     def _take_batch(self, batch: HostStatuses) -> None:
         for status in batch.agents:
