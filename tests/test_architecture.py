@@ -53,7 +53,7 @@ BUDGET = {
     "hitab_bringup": 2250,
     "hitab_class": 200,
     "hitab_cli": 2900,
-    "hitab_client": 3900,
+    "hitab_client": 4000,
     "hitab_commander": 1150,
     "hitab_core": 9700,
     "hitab_export": 900,
@@ -61,10 +61,10 @@ BUDGET = {
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1750,
-    "hitab_studio": 4400,
+    "hitab_studio": 4450,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 30500,
+    "tests": 30600,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
