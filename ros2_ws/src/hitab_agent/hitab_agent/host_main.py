@@ -26,7 +26,6 @@ from hitab_agent.host.roster import read_roster
 from hitab_agent.host_resources import HostResources
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
-    Loop,
     Spinner,
     check_name_is_free,
     give_signs_of_life,
@@ -44,8 +43,8 @@ ALL_ENDPOINTS = ParameterDescriptor(
 )
 
 
-def start(spinning: Spinner) -> Loop:
-    """Create all agents of the roster that the command line names; return the main loop."""
+def start(spinning: Spinner) -> None:
+    """Create all agents of the roster that the command line names."""
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
@@ -82,9 +81,7 @@ def start(spinning: Spinner) -> Loop:
         node.join()
     for link in shared.links.values():
         link.listen()
-    roster = shared.roster
-    assert roster is not None, "only hosts have one"
-    roster.publish()
+    shared.publish_roster()
     give_signs_of_life(desk, swarm)
     # The objects made so far stay, and collecting over them would take longer than a cycle.
     # Reference counting frees the objects of a cycle; only errors leave reference cycles, whose
@@ -92,14 +89,6 @@ def start(spinning: Spinner) -> Loop:
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
-
-    def spin(spinning: Spinner) -> int:
-        while not spinning.stopped:
-            spinning.spin_once()
-            roster.refuse_others()
-        return spinning.exit_code
-
-    return spin
 
 
 def _renaming(remap: Mapping[str, str]) -> list[str]:

@@ -99,6 +99,11 @@ class HostResources:
         """The faults of the host, which each of its agents shows too."""
         return [] if self.host is None else self.host.guard.faults.texts()
 
+    def publish_roster(self) -> None:
+        """Tell the world and other hosts which agents this host runs."""
+        assert self.roster is not None, "only hosts have one"
+        self.roster.publish()
+
     def link(self, host: GuardedNode, world: str) -> HostLink:
         """Return the link of all agents of a host to a world."""
         if world not in self.links:

@@ -19,6 +19,7 @@ from hitab_core.training.operation import Operation
 from hitab_ros import names, qos
 from hitab_ros.messages.conversions import request_of
 from hitab_ros.nodes.guarded_node import GuardedNode
+from hitab_ros.nodes.spinning import Spinner
 from hitab_ros.testing import context_of_its_own, spin_until
 
 
@@ -43,6 +44,9 @@ class Process:
             self._executor.remove_node(node)
             node.destroy_node()
         self._executor.shutdown()
+
+    def spinner(self) -> Spinner:
+        return Spinner(self._executor)
 
     def until(self, condition: Callable[[], Any]) -> None:
         spin_until(self._executor, condition)

@@ -215,7 +215,7 @@ def test_percepts_are_answered_while_a_distribution_is_taken_in(host, tmp_path):
     desk = host.desk
     desk.create_subscription(msg.HostRoster, f"/{names.HOSTS}", rosters.append, qos.LATCHED)
     link.listen()
-    host.shared.roster.publish()
+    host.shared.publish_roster()
     host.process.until(lambda: rosters)
     percepts = desk.create_publisher(
         msg.PerceptBatch, f"/{rosters[0].host}/{names.PERCEPTS}", qos.CYCLE

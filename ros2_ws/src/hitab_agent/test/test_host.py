@@ -81,7 +81,7 @@ class Swarm:
             msg.ActionBatch, f"/world/{names.ACTION_BATCHES}", self.answers.append, qos.CYCLE
         )
         self.link.listen()
-        shared.roster.publish()
+        shared.publish_roster()
         process.until(lambda: self.rosters)
         topic = f"/{self.rosters[0].host}/{names.PERCEPTS}"
         self.arrived: list[msg.PerceptBatch] = []

@@ -31,7 +31,6 @@ from .nodes.spinning import Spinner as Spinner
 from .nodes.spinning import make_node as make_node
 from .nodes.spinning import run as run
 from .nodes.steady_timer import steady_timer as steady_timer
-from .nodes.unique_name import NameTakenError as NameTakenError
 from .nodes.unique_name import check_name_is_free as check_name_is_free
 from .presence import HostRosters as HostRosters
 from .presence import ListenedTime as ListenedTime

@@ -9,14 +9,13 @@ from hitab_msgs import msg
 
 from hitab_agent.node.agent_base import AgentBase
 from hitab_core import some
-from hitab_ros import GuardedNode, HostRosters, NameTakenError, names, qos
+from hitab_ros import GuardedNode, HostRosters, names, qos
 
 
 class RosterTopic:
-    """Publishes a host's roster, and gives way to another host that runs one of its agents.
+    """Publishes a host's roster, and reports other hosts that run one of its agents as a fault.
 
-    Two hosts that start at once do not see each other's rosters before they publish their own, so
-    the one that published later ends.
+    Two hosts that start at once do not see each other's rosters before they publish their own.
 
     Attributes:
         number: number of the last published roster; 0 before the first.
@@ -35,7 +34,7 @@ class RosterTopic:
         self._name = names.own_name(host)
         self._nodes = nodes
         self._swarm = swarm
-        self._other = ""
+        self._host = host
         topic = names.in_swarm(host, names.HOSTS)
         self.others = HostRosters(host, topic, changed=self._hear)
         self._publisher = host.create_publisher(msg.HostRoster, topic, qos.LATCHED)
@@ -50,17 +49,9 @@ class RosterTopic:
         )
 
     def _hear(self, roster: msg.HostRoster) -> None:
-        if not 0 < roster.number < self.number:
+        if roster.host == self._name or not self.number:
             return
         both = {node.agent_name for node in self._nodes}.intersection(roster.agents)
-        if both:
-            self._other = f'{some(sorted(both))} already run in the host "{roster.host}"'
-
-    def refuse_others(self) -> None:
-        """Check that no host that was up before runs one of the agents.
-
-        Raises:
-            NameTakenError: if one does.
-        """
-        if self._other:
-            raise NameTakenError(f"{self._other}; stop one of the two hosts")
+        key = f"roster of {roster.host}"
+        why = f"{some(sorted(both))} also run in {roster.host}; stop one of the two hosts"
+        self._host.guard.faults.set(key, why if both else "")

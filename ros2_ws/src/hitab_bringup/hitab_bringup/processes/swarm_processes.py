@@ -60,7 +60,8 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
             found.append(Process(name, module, (), space, remap, settings, agents=names))
         else:
             settings = {"roster": str(_roster_file(folder, name)), **own}
-            if len(swarm.members) <= ALL_ENDPOINTS_MAX:
+            chosen, is_small = swarm.all_endpoints, len(swarm.members) <= ALL_ENDPOINTS_MAX
+            if chosen or (chosen is None and is_small):
                 settings["all_endpoints"] = True
             found.append(
                 Process(name, HOST_MODULE, (), swarm.namespace, {}, settings, agents=names)

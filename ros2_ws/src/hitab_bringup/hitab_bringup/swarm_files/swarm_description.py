@@ -184,6 +184,8 @@ class SwarmDescription:
 
     Attributes:
         namespace: namespace of all nodes, such as ``/left``; empty if none.
+        all_endpoints: whether hosts open all topics and services of their agents at once, instead
+            of those that somebody asks for; None if the number of agents decides.
     """
 
     name: str
@@ -193,6 +195,7 @@ class SwarmDescription:
     commanders: tuple[CommanderDescription, ...] = ()
     namespace: str = ""
     processes: tuple[Process, ...] = ()
+    all_endpoints: bool | None = None
 
     @property
     def members(self) -> tuple[AgentDescription, ...]:

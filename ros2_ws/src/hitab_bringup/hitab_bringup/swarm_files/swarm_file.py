@@ -186,6 +186,7 @@ class _Reader:
             tuple(commanders),
             f"/{file.namespace.strip('/')}" if file.namespace else "",
             processes,
+            file.all_endpoints,
         )
 
     def _tell(self, line: str, key: str, text: str, section: str = "commanders") -> None:

@@ -33,7 +33,10 @@ from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, MappingOr, Rec
 from hitab_core.library.yaml_places import kind_of
 from hitab_ros.names import WORLD
 
-RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
+RESERVED = (
+    *(WORLD, "hosts", "statuses", "commands", "alive", "operators"),
+    *("distribution", "distribution_ack", "clock"),
+)
 SET = ("commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world")
 """Parameters of agents and worlds that a swarm sets by itself."""
 
@@ -252,6 +255,7 @@ class SwarmLines(AgentSettings):
     world: WorldLine | None = None
     agents: Annotated[dict[AgentKey, AgentLine], NONE_IS_EMPTY] = Field(default_factory=dict)
     hosts: Count | None = None
+    all_endpoints: bool | None = None
     kinds: Annotated[
         dict[Name, Annotated[KindRecord | str, MappingOr(KindRecord, str)]], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
