@@ -24,13 +24,15 @@ from hitab_msgs.msg import (
     HostStatuses,
     Subordinate,
     WorldState,
+    WorldStatus,
 )
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from tests.browsing import browser, studio
+
 from hitab_client import RosLink
 from hitab_ros import names, qos
-from tests.browsing import browser, studio
 
 BATCH = 100
 GROUP = 5
@@ -44,7 +46,9 @@ def stand_in(count: int) -> None:
         statuses = link.node.create_publisher(
             HostStatuses, names.of_swarm(names.STATUSES), qos.STATUSES
         )
-        state = link.node.create_publisher(WorldState, names.of_world(names.STATE), qos.STREAM)
+        state = link.node.create_publisher(WorldState, names.of_world(names.STATE), qos.LATCHED)
+        world = link.node.create_publisher(WorldStatus, names.of_world(names.STATUS), qos.LATCHED)
+        world.publish(WorldStatus(world="plain", mode="running", pace="realtime", factor=1.0))
 
         def report(some: list[str], turn: int) -> None:
             batch = [
@@ -104,7 +108,7 @@ def measure(swarm: str = "", agents: int = 0, seconds: float = 10.0) -> None:
         page = opened.new_page()
         page.on("websocket", lambda socket: socket.on("framereceived", count))
         page.goto(address)
-        page.wait_for_function("window.studioField?.now", timeout=120_000)
+        page.wait_for_function("window.studioField?.now", timeout=60_000)
         page.wait_for_timeout(5000)
         mine = psutil.Process().children(recursive=True)
         (served,) = (one for one in mine if "studio" in one.cmdline())
