@@ -170,10 +170,10 @@ def _hurry(processes: list[psutil.Process]) -> None:
             os.sched_setscheduler(thread.id, os.SCHED_RR, os.sched_param(1))
 
 
-def measure(
-    agents: int, hosts: int, seconds: float, factor: float, *, preferred: bool
-) -> Figures:
+def measure(agents: int, hosts: int, seconds: float, factor: float, *, preferred: bool) -> Figures:
     """Bring a swarm up, play it for a while, give orders, pause it, take it down."""
+    from hitab_msgs.srv import Control
+
     from hitab_bringup.processes import supervision
     from hitab_bringup.processes.bringing_up import bring_up
     from hitab_bringup.swarm_files.swarm_file import parse_swarm
@@ -181,7 +181,6 @@ def measure(
     from hitab_client.connecting.ros_link import RosLink
     from hitab_client.runs.run_folder import RunFolder
     from hitab_client.world_client import WorldClient
-    from hitab_msgs.srv import Control
 
     with tempfile.TemporaryDirectory(prefix="hitab-scale-") as place, domain_ids.reserved() as id_:
         folder = Path(place).resolve()

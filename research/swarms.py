@@ -26,9 +26,7 @@ def commanders(agents: int) -> int:
     return sum(count for _, _, count in levels(agents))
 
 
-def description(
-    agents: int, hosts: int, world: str = "plain_world", factor: float = 1.0
-) -> str:
+def description(agents: int, hosts: int, world: str = "plain_world", factor: float = 1.0) -> str:
     """Return the description of a swarm whose agents' count is a power of five, or about one."""
     settings = f"factor: {factor}, parameters: {{agents: {agents}}}"
     lines = [
