@@ -21,18 +21,14 @@ class ProcessSigns:
 
     Thousands of subordinates do not cost more messages than the processes that run them: the
     signs tell the last percepts of all, and within the process no message is needed.
-
-    Attributes:
-        tells: whether the last own sign told the agents' last percepts, so that they need not
-            report them.
     """
 
     def __init__(self, node: GuardedNode) -> None:
-        self.tells = False
         self._node = node
         self._process = names.own_name(node)
         self._followers: dict[str, dict[Follow, None]] = {}
         self._perceiving: list[Subordinate] = []
+        self._reporting: list[Callable[[], object]] = []
         # Hundreds of commanders that decide at a sign must not delay a percept or an order.
         self._later = JobQueue(node)
 
@@ -40,16 +36,21 @@ class ProcessSigns:
         """Tell in the process's signs of life what an agent last perceived."""
         self._perceiving.append(subordinate)
 
+    def unless_told(self, report: Callable[[], object]) -> None:
+        """Call a guarded function at each own sign that does not tell what the agents perceived."""
+        self._reporting.append(report)
+
     def fill(self, sign: Alive) -> None:
         """Complete a sign of life of this process, and pass it on to its own commanders.
 
         It tells the last percepts if they are all of one cycle, as of agents in one world.
         """
         perceived = {subordinate.perceived for subordinate in self._perceiving}
-        self.tells = len(perceived) == 1
-        sign.cycle, sign.episode, sign.seed, sign.seconds = (
-            perceived.pop() if self.tells else NOTHING
-        )
+        told = perceived.pop() if len(perceived) == 1 else NOTHING
+        sign.cycle, sign.episode, sign.seed, sign.seconds = told
+        if told is NOTHING:
+            for report in self._reporting:
+                report()
         self._pass_on(sign)
 
     def follow(self, process: str, call: Follow) -> None:

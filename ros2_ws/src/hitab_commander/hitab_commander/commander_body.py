@@ -163,22 +163,28 @@ class CommanderBody:
             if before is not None and before.round and report.cycle >= before.cycle:
                 roll.end()
 
-    def hear_sign(self, sign: SignOfLife, now: float) -> None:
+    def hear_sign(self, sign: SignOfLife, now: float) -> bool:
         """Take a sign of life of a process: its agents do what they have reported.
 
         They have perceived the cycle that it tells, unless they report a new episode themselves. A
         silent member remains silent, since its reports may have been lost; it reports again when
         the order is repeated.
+
+        Returns:
+            Whether the time of a member may have gone on; that of a paused world has not.
         """
         self.now = now
+        goes_on = False
         for name, member in self.members.items():
             if member.process == sign.process and not self.is_silent(name):
-                if not member.beaten:
+                if not member.beaten and not (sign.cycle and member.cycle == sign.cycle):
+                    goes_on = True
                     self._unheard.discard(name)
                     latest = member.latest
                     if sign.cycle and latest is not None and _episode(latest) == _episode(sign):
                         member.cycle = sign.cycle
                 member.heard_at, member.beaten = now, False
+        return goes_on
 
     def lose(self, names: Collection[str]) -> None:
         """Take subordinates for silent until they report again: they were restarted."""

@@ -147,8 +147,7 @@ class CommanderLink:
         self._hear_all(changed=changed, restart=restart)
 
     def _on_sign(self, sign: msg.Alive) -> None:
-        if not self._lockstep.active:
-            self.body.hear_sign(sign, self._listened.now())
+        if not self._lockstep.active and self.body.hear_sign(sign, self._listened.now()):
             self._hear_all()
 
     def _on_loss(self, lost: Collection[str]) -> None:
@@ -220,11 +219,11 @@ class CommanderLink:
     def _on_time(self) -> None:
         body, now = self.body, time.monotonic()
         body.now = self._listened.now()
+        if self.calm and now < self._look_at and not self.group.changed:
+            return
         silent = [body.is_silent(name) for name in body.members]
         if silent != self._silent:
             self._silent, self.calm = silent, False
-        if self.calm and now < self._look_at and not self.group.changed:
-            return
         if not (self._decided or self.calm or self._lockstep.active):
             self.decide()
         self._decided = False

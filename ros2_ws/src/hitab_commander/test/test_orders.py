@@ -277,7 +277,10 @@ def forge(team, **fields):
     """Order something in the chief's name."""
     publisher = team.link.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
     team.until(lambda: publisher.get_subscription_count() > 0)
-    publisher.publish(msg.Order(commander="chief", order="Forged", behaviors=TO_ALL, **fields))
+    order = msg.Order(commander="chief", order="Forged", behaviors=TO_ALL, **fields)
+    # DDS may lose what is published at the moment of the match.
+    heard = team.orders["chief"]
+    team.until(lambda: publisher.publish(order) or any(o.order == "Forged" for o in heard))
     return publisher
 
 

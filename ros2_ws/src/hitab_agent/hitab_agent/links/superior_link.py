@@ -6,7 +6,6 @@ from hitab_msgs import msg
 
 from hitab_agent.node.agent_base import AgentBase
 from hitab_core.orders import Order, Report, Subordinate
-from hitab_ros.timing import HEARTBEAT_S
 
 
 class SuperiorLink:
@@ -28,12 +27,11 @@ class SuperiorLink:
         self.commander = node.settings.commander
         self._ordered = node.ordered
         self._exchange = node.shared.exchange
-        self._signs = node.shared.signs
         self._seconds = 0.0
         self._exchange.obey(node, self.commander, self._on_order)
         if node.has_robot:
-            self._signs.tell_of(subordinate)
-        node.shared.scheduler.every(HEARTBEAT_S, self._heartbeat, node.guard)
+            node.shared.signs.tell_of(subordinate)
+        node.shared.signs.unless_told(node.guard.wrap("heartbeat", self._heartbeat))
 
     def _on_order(self, order: Order) -> None:
         with self._exchange.held():
@@ -100,9 +98,8 @@ class SuperiorLink:
         self._send(self.subordinate.news(self._seconds))
 
     def _heartbeat(self) -> None:
-        """Report percepts that changed nothing, unless the process's signs of life tell them."""
-        if not self._signs.tells:
-            self._send(self.subordinate.heartbeat())
+        """Report percepts that changed nothing."""
+        self._send(self.subordinate.heartbeat())
 
     def _send(self, report: Report | None) -> None:
         if report is not None:
