@@ -37,7 +37,7 @@ class ProcessSigns:
         self._perceiving.append(subordinate)
 
     def unless_told(self, report: Callable[[], object]) -> None:
-        """Call a guarded function at each own sign that does not tell what the agents perceived."""
+        """Call a guarded function at each own sign that tells no percepts."""
         self._reporting.append(report)
 
     def fill(self, sign: Alive) -> None:
