@@ -3,7 +3,7 @@
 Each agent and each commander is a ROS 2 node with its own automaton; a few host processes run
 them all. While the swarm plays, an order is given to the commander at the root twice a second, and
 the time until the last agent reports that it performs the order is measured; in a large swarm, the
-last agent of 200 squads. Then the swarm is paused.
+last agent of 200 squads. Before, it plays without orders, and afterwards it is paused.
 
     scripts/python research/scale.py --sizes 10,100,1000 --json scale.json --plot scale.png
     scripts/python research/scale.py --sizes 5000 --factor 0.5    # at 5 Hz
@@ -33,7 +33,7 @@ from swarms import FAN_OUT, ORDERS, commanders, description, levels
 SIZES = "10,30,100,300,1000,3000,5000"
 CYCLES_HZ = 10.0
 SQUADS_WATCHED = 200
-PAUSED_S = 10.0
+UNWATCHED_S, PAUSED_S = 15.0, 10.0
 WARM_UP_S = 5.0
 ORDER_PERIOD_S = 0.5
 ORDER_TIMEOUT_S = 5.0
@@ -46,6 +46,7 @@ class Figures:
     Attributes:
         factor: of real time, in which a cycle lasts 100 ms.
         start_cpu_s: CPU time of all processes until the swarm is up, those of `hitab up` included.
+        cpu_playing: of the hosts, while nobody gives orders.
         late_answers: actions that had not arrived when their cycle ended.
         behind: cycles that the world lost against the clock.
         order_ms_...: from the request to the root until the last agent's report arrived.
@@ -67,14 +68,15 @@ class Figures:
     order_ms_max: float
     cpu_world: float
     cpu_hosts: float
+    cpu_playing: float
     cpu_paused: float
     memory_world: float
     memory_hosts: float
 
     @property
-    def cpu_ms_per_agent(self) -> float:
-        """CPU time of all hosts per agent and second, ms; its share of commanders included."""
-        return self.cpu_hosts / self.agents * 1000
+    def cycle_us(self) -> float:
+        """CPU time of all hosts per agent and cycle, µs, without orders; commanders included."""
+        return self.cpu_playing / self.agents / (CYCLES_HZ * self.factor) * 1e6
 
     @property
     def memory_per_agent(self) -> float:
@@ -196,6 +198,10 @@ def measure(agents: int, hosts: int, seconds: float, factor: float, *, preferred
             start_cpu_s += _cpu(world) + _cpu(host_processes)
             if preferred:
                 _hurry([*world, *host_processes, psutil.Process()])
+            time.sleep(WARM_UP_S)
+            playing = _cpu(host_processes)
+            time.sleep(UNWATCHED_S)
+            playing = (_cpu(host_processes) - playing) / UNWATCHED_S
             with RosLink(id_) as link:
                 orders = Orders(link, agents)
                 if not orders.ready(30.0 + 0.05 * agents):
@@ -238,6 +244,7 @@ def measure(agents: int, hosts: int, seconds: float, factor: float, *, preferred
                     max(taken) * 1000,
                     used[0] / lasted,
                     used[1] / lasted,
+                    playing,
                     paused,
                     _memory(world),
                     _memory(host_processes),
@@ -262,8 +269,9 @@ def show(results: list[Figures]) -> None:
         ("\np99", lambda f: f"{f.order_ms_p99:.0f}"),
         ("cores\nworld", lambda f: f"{f.cpu_world:.2f}"),
         ("\nhosts", lambda f: f"{f.cpu_hosts:.2f}"),
+        ("no\norders", lambda f: f"{f.cpu_playing:.2f}"),
         ("\npaused", lambda f: f"{f.cpu_paused:.2f}"),
-        ("ms/s per\nagent", lambda f: f"{f.cpu_ms_per_agent:.2f}"),
+        ("cycle\nµs", lambda f: f"{f.cycle_us:.0f}"),
         ("MB\nworld", lambda f: f"{f.memory_world:.0f}"),
         ("\nhosts", lambda f: f"{f.memory_hosts:.0f}"),
         ("\nagent", lambda f: f"{f.memory_per_agent:.2f}"),
