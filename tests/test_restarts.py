@@ -149,7 +149,7 @@ def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm)
     swarm.world.step(3)
     state = swarm.folder.path / "state"
     memories = {
-        AGENT: state / AGENT / "restart.json",
+        AGENT: state / "restart" / f"{AGENT}.json",
         "world": state / "world" / "latest.json",
     }
     for name, file in memories.items():

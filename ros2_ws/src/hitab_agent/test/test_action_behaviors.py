@@ -387,7 +387,7 @@ def test_a_goal_of_an_agent_that_was_killed_is_canceled_when_it_is_back(going, p
     noted = one.node.memory.values["goals"]
     assert bytes.fromhex(noted[0][1]) == bytes(server.goals[0].goal_id.uuid)
     # The next process takes over, while the first one does nothing any more.
-    memory = RestartMemory(tmp_path / "next", "")
+    memory = RestartMemory(tmp_path, "next", "")
     memory.keep({"goals": [*noted, ["drive", "x"], 3, ["drive", "00"]]})
     limits = Limits(answer=30.0, pulse=0.0)
     clients = ActionClients(one.node, one.agent, one.node.scheduler, limits, memory)

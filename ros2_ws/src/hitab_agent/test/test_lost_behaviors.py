@@ -90,7 +90,7 @@ def test_it_is_up_idles_says_why_and_begins_once_the_behavior_is_back(walkers: W
     assert 'cannot perform its start behavior "Stroll": Stroll needs Walk: its file' in began
     assert status.last_error == began
     # Nor does another restart make it forget what it performed.
-    assert RestartMemory(walkers.folder / "one", "s").performed == "Stroll"
+    assert RestartMemory(walkers.folder, "one", "s").performed == "Stroll"
     answer = walkers.do("one", Perform("Stroll"))
     assert not answer.success
     assert answer.message.startswith("Stroll needs Walk: its file ")

@@ -78,7 +78,8 @@ class AgentNode(AgentBase):
         if uses_actions(domain):
             actions.check_actions(domain)
         self.transition_log = TransitionLog(self, logs=shared is None)
-        state = Path(settings.state_dir).expanduser() / self.agent_name
+        states = Path(settings.state_dir).expanduser()
+        state = states / self.agent_name
         library = Path(settings.library).expanduser() if settings.library else state / "library"
         self.agent = Agent(
             self.agent_name,
@@ -109,7 +110,7 @@ class AgentNode(AgentBase):
         self.superior: SuperiorLink | None = None
         self._reach: ReachWatch | None = None
         self._start_error = ""
-        self.memory = RestartMemory(state, settings.swarm)
+        self.memory = RestartMemory(states, self.agent_name, settings.swarm)
         if self.memory.damage:
             self.get_logger().warning(self.memory.damage)
         if self.agent.session is None:
