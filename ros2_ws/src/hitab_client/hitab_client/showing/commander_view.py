@@ -58,7 +58,7 @@ class CommanderView(SwarmListener):
         self._watched.update(new)
         self._unheard.update(dict.fromkeys(name for name in new if name not in self.groups))
         self.incomplete.update(dict.fromkeys(new))
-        if len(new) > WATCHED_MAX:
+        if self._agents.is_large or len(new) > WATCHED_MAX:
             self._hear_hosts()
             new = [name for name in new if not self._agents.is_hosted(name)]
         for commander in new:
