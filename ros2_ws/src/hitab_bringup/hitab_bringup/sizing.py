@@ -6,7 +6,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -18,9 +18,9 @@ from hitab_bringup.libraries.run_libraries import copy_library
 from hitab_bringup.processes.bringing_up import Progress, await_up, temporary_processes
 from hitab_bringup.processes.swarm_processes import ALL_ENDPOINTS_MAX, library_of
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
-from hitab_client import DescriptionError, RosLink, RunFolder, RunRecord
+from hitab_client import DescriptionError, RosLink, RunFolder, RunRecord, SwarmError
 from hitab_client.runs.run_processes import process_states
-from hitab_core import some
+from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.names import WORLD
 from hitab_ros.timing import ANSWER_S, FOUND_S
@@ -30,6 +30,13 @@ WHOLE_MAX = 60
 
 TRIAL_MIN, TRIAL_MAX = 30, 500
 """Numbers of members of trial runs."""
+
+BUSY = 0.1
+"""Share of the cores from which other programs disturb a trial."""
+
+START_EXPONENT = 1.25
+"""How the start grows with the number of members, all of which discover one another. Fitted to
+swarms of 40 to 4,000; the rest of what a swarm takes grows in proportion."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,7 @@ class Needs:
         cycle_ms: duration of a cycle, ms; in lockstep as short as the machine allows.
         world_cores, agents_cores: cores that play the swarm: of the world, of all others.
         world_mb, agents_mb: memory of the world and of all others, MB.
+        strangers_cores: cores that other programs used meanwhile.
     """
 
     start_s: float
@@ -51,6 +59,7 @@ class Needs:
     agents_cores: float
     world_mb: float
     agents_mb: float
+    strangers_cores: float
 
 
 def trial_sizes(members: int) -> tuple[int, ...]:
@@ -61,18 +70,36 @@ def trial_sizes(members: int) -> tuple[int, ...]:
     return max(large // 4, TRIAL_MIN), large
 
 
-def predict(trials: Mapping[int, Needs], members: int) -> Needs:
-    """Return the needs of a swarm of some size: a line through those of trials, by size."""
-    (small, few), (large, many) = min(trials.items()), max(trials.items())
+def predict(trials: Mapping[int, Needs], members: int, parallel: int) -> Needs:
+    """Return the needs of a swarm from those of one or two trials.
+
+    Each need is a constant, of the world and the processes, and a share of each member.
+
+    Args:
+        trials: needs by the number of members.
+        members: number of members of the swarm.
+        parallel: number of processes that run at the same time.
+    """
+    small, large = min(trials), max(trials)
+    few, many = trials[small], trials[large]
     if small == large:
         return many
 
-    def at_size(name: str) -> float:
+    def at_size(name: str, exponent: float = 1.0) -> float:
         first, last = getattr(few, name), getattr(many, name)
-        # A swarm takes no less than a part of it; noise may say so.
-        return max(last, last + (last - first) * (members - large) / (large - small))
+        a, b, n = small**exponent, large**exponent, members**exponent
+        # A swarm takes no less than a part of it, though noise may say so.
+        return float(max(last, last + (last - first) * (n - b) / (b - a)))
 
-    return Needs(**{field.name: at_size(field.name) for field in fields(Needs)})
+    start_cpu_s = at_size("start_cpu_s", START_EXPONENT)
+    in_proportion = ("cycle_ms", "world_cores", "agents_cores", "world_mb", "agents_mb")
+    return replace(
+        many,
+        start_s=many.start_s + (start_cpu_s - many.start_cpu_s) / parallel,
+        start_cpu_s=start_cpu_s,
+        strangers_cores=max(few.strangers_cores, many.strangers_cores),
+        **{name: at_size(name) for name in in_proportion},
+    )
 
 
 def refuse_untriable(swarm: SwarmDescription) -> None:
@@ -118,9 +145,11 @@ def reduced(swarm: SwarmDescription, share: float) -> SwarmDescription:
                 kept.update(squad[:wanted])
                 left -= len(squad)
     superiors = {member.name: member.superior for member in swarm.members}
-    for name in list(kept):
-        while (name := superiors[name]) and name not in kept:
+    for agent_name in list(kept):
+        name = superiors[agent_name]
+        while name and name not in kept:
             kept.add(name)
+            name = superiors[name]
     all_endpoints = swarm.all_endpoints
     if all_endpoints is None:
         all_endpoints = len(swarm.members) <= ALL_ENDPOINTS_MAX
@@ -175,7 +204,7 @@ def _with_copies(swarm: SwarmDescription, folder: Path, place: Path) -> SwarmDes
 
 
 def _playing(run: RunFolder, record: RunRecord, seconds: float) -> Iterator[float]:
-    """Yield cycle_ms, world_cores, agents_cores, world_mb and agents_mb of a swarm that plays."""
+    """Yield the needs of a swarm that plays, from `cycle_ms` on."""
     pids = {state["name"]: state["pid"] for state in process_states(record)}
     world = [psutil.Process(pids[WORLD])]
     others = [process for process in run.processes() if process not in world]
@@ -188,18 +217,25 @@ def _playing(run: RunFolder, record: RunRecord, seconds: float) -> Iterator[floa
             qos.LATCHED,
         )
 
-        def now() -> tuple[float, int, float, float]:
+        def now() -> tuple[float, ...]:
             came.clear()
             link.spin_until(lambda: bool(came), ANSWER_S)
-            return *came[-1], _cpu(world), _cpu(others)
+            if not came:
+                raise SwarmError(f"the world of {record.swarm} does not report", Fix.DOCTOR())
+            all_ = psutil.cpu_times()
+            busy = sum(all_[:4]) - all_.idle - time.process_time()  # user, nice, system, idle
+            used = _cpu(world), _cpu(others)
+            return *came[-1], *used, busy - sum(used)
 
-        link.spin_until(lambda: False, FOUND_S)  # the swarm discovers this node, and starts playing
+        link.spin_until(lambda: False, FOUND_S)  # this node is discovered, and all begin to play
         then = now()
         link.spin_until(lambda: False, seconds)
-        passed, cycles, *cores = (b - a for a, b in zip(then, now(), strict=True))
+        passed, cycles, *cpu_s = (b - a for a, b in zip(then, now(), strict=True))
+    *own, strangers = (used / passed for used in cpu_s)
     yield 1000 * passed / cycles if cycles else math.inf
-    yield from (used / passed for used in cores)
+    yield from own
     yield from (sum(p.memory_full_info().pss for p in of) / 1e6 for of in (world, others))
+    yield max(0.0, strangers)
 
 
 def _cpu(processes: Sequence[psutil.Process]) -> float:
@@ -225,5 +261,10 @@ def lacks(swarm: SwarmDescription, needs: Needs, cores: int, memory_mb: float) -
             yield f"it takes {used:.1f} cores, and there are {cores}: {slower}"
         elif needs.world_cores > 1.0:
             yield f"the world, one process, takes {needs.world_cores:.1f} cores: {slower}"
+    if needs.strangers_cores > BUSY * cores:
+        yield (
+            f"other programs used {needs.strangers_cores:.1f} of {cores} cores meanwhile, which "
+            "makes everything slower: repeat it on an idle machine"
+        )
     if memory > memory_mb:
         yield f"it takes {memory:,.0f} MB, and {memory_mb:,.0f} MB are available: {ways}"

@@ -27,9 +27,9 @@ def size(
 ) -> None:
     """Predict start-up, cores and memory of a swarm on this machine, from trial runs of parts.
 
-    Each part has some of the agents, in whole squads under their commanders, in the whole world. It
-    plays in a ROS domain of its own with copies of the libraries. A small swarm is run as a whole.
-    Other programs that are busy meanwhile make the start look longer.
+    Each part has some of the agents, in whole squads under their commanders, in the whole world.
+    It plays in a ROS domain of its own with copies of the libraries. A small swarm is run as a
+    whole.
 
     Args:
         swarm: A swarm description, the name of a shipped one, or a Python file with a world.
@@ -69,7 +69,8 @@ def size(
 
     parts = [reduced(described, wanted / members) for wanted in trial_sizes(members)]
     trials = {len(part.members): tried(part) for part in parts}
-    predicted = predict(trials, members)
+    processes = len({member.process for member in described.members})
+    predicted = predict(trials, members, min(cores, processes + 1))
     measured = tried(described) if check else None
     found = list(lacks(described, predicted, cores, memory_mb))
     data = {
