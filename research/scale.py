@@ -1,10 +1,12 @@
 """Measures swarms from ten to thousands of agents under a tree of commanders, in real time.
 
 Each agent and each commander is a ROS 2 node with its own automaton; a few host processes run
-them all. While the swarm plays at 10 Hz, an order is given to the commander at the root twice a
-second, and the time until the last agent reports that it performs the order is measured.
+them all. While the swarm plays, an order is given to the commander at the root twice a second, and
+the time until the last agent reports that it performs the order is measured; in a large swarm, the
+last agent of 200 squads. Then the swarm is paused.
 
     scripts/python research/scale.py --sizes 10,100,1000 --json scale.json --plot scale.png
+    scripts/python research/scale.py --sizes 5000 --factor 0.5    # at 5 Hz
 """
 
 from __future__ import annotations
@@ -28,7 +30,10 @@ from rich.table import Table
 
 from swarms import FAN_OUT, ORDERS, commanders, description, levels
 
-SIZES = "10,30,100,300,1000,2000"
+SIZES = "10,30,100,300,1000,3000,5000"
+CYCLES_HZ = 10.0
+SQUADS_WATCHED = 200
+PAUSED_S = 10.0
 WARM_UP_S = 5.0
 ORDER_PERIOD_S = 0.5
 ORDER_TIMEOUT_S = 5.0
@@ -39,16 +44,20 @@ class Figures:
     """What was measured of a swarm of one size; CPU is in cores, memory in MB.
 
     Attributes:
-        late_answers: actions that had not arrived when their cycle of 100 ms ended.
+        factor: of real time, in which a cycle lasts 100 ms.
+        start_cpu_s: CPU time of all processes until the swarm is up, those of `hitab up` included.
+        late_answers: actions that had not arrived when their cycle ended.
         behind: cycles that the world lost against the clock.
         order_ms_...: from the request to the root until the last agent's report arrived.
     """
 
     agents: int
+    factor: float
     commanders: int
     hosts: int
     seconds: float
     start_s: float
+    start_cpu_s: float
     cycles: int
     late_answers: int
     behind: int
@@ -58,6 +67,7 @@ class Figures:
     order_ms_max: float
     cpu_world: float
     cpu_hosts: float
+    cpu_paused: float
     memory_world: float
     memory_hosts: float
 
@@ -95,15 +105,20 @@ class Orders:
         self._wanted = ""
         self._client = link.node.create_client(srv.Perform, f"/root/{Perform.name}")
         name, _, count = next(iter(levels(agents)))
-        leaders = [name] if count == 1 else [f"{name}_{i + 1}" for i in range(count)]
-        for leader in leaders:
+        watched = range(0, count, math.ceil(count / SQUADS_WATCHED))
+        for index in watched:
+            leader = name if count == 1 else f"{name}_{index + 1}"
             link.node.create_subscription(
                 msg.Reports, f"/{leader}/{names.REPORTS}", self._on_reports, qos.EVENTS
             )
         link.node.create_subscription(
             msg.WorldStatus, f"/{WORLD}/{names.STATUS}", self._on_world, qos.LATCHED
         )
-        self._agents = {f"ant_{i + 1}" for i in range(agents)}
+        self._agents = {
+            f"ant_{i + 1}"
+            for index in watched
+            for i in range(index * FAN_OUT, min(agents, (index + 1) * FAN_OUT))
+        }
 
     def _on_reports(self, message: Any) -> None:
         for report in message.reports:
@@ -133,16 +148,11 @@ def _percentile(values: list[float], share: float) -> float:
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
 
 
-def _processes(folder: Path) -> tuple[list[psutil.Process], list[psutil.Process]]:
+def _processes(run_folder: Any) -> tuple[list[psutil.Process], list[psutil.Process]]:
     """Return the world's process and those of the hosts."""
-    world, hosts = [], []
-    for process in psutil.process_iter(["cmdline"]):
-        line = " ".join(process.info["cmdline"] or ())
-        if str(folder / "rosters") in line:
-            hosts.append(process)
-        elif "plain_world" in line and "--ros-args" in line:
-            world.append(process)
-    return world, hosts
+    running = {process: process.cmdline() for process in run_folder.processes()}
+    world = [process for process, line in running.items() if "plain_world" in line]
+    return world, [process for process, line in running.items() if "hitab_agent.host_main" in line]
 
 
 def _cpu(processes: list[psutil.Process]) -> float:
@@ -160,26 +170,30 @@ def _hurry(processes: list[psutil.Process]) -> None:
             os.sched_setscheduler(thread.id, os.SCHED_RR, os.sched_param(1))
 
 
-def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figures:
-    """Bring a swarm up, play it for a while, give orders, take it down."""
+def measure(agents: int, hosts: int, seconds: float, factor: float, *, preferred: bool) -> Figures:
+    """Bring a swarm up, play it for a while, give orders, pause it, take it down."""
+    from hitab_msgs.srv import Control
+
     from hitab_bringup.processes import supervision
     from hitab_bringup.processes.bringing_up import bring_up
     from hitab_bringup.swarm_files.swarm_file import parse_swarm
     from hitab_client import domain_ids
     from hitab_client.connecting.ros_link import RosLink
     from hitab_client.runs.run_folder import RunFolder
+    from hitab_client.world_client import WorldClient
 
     with tempfile.TemporaryDirectory(prefix="hitab-scale-") as place, domain_ids.reserved() as id_:
         folder = Path(place).resolve()
         os.environ["ROS_DOMAIN_ID"] = str(id_)
-        swarm = parse_swarm(description(agents, hosts), folder / "scale.yaml")
+        swarm = parse_swarm(description(agents, hosts, factor=factor), folder / "scale.yaml")
         swarm = replace(swarm, name=f"scale_{os.getpid()}")
         run_folder = RunFolder(folder)
-        began = time.perf_counter()
+        began, own = time.perf_counter(), sum(os.times()[:2])
         bring_up(swarm, run_folder)
-        start_s = time.perf_counter() - began
+        start_s, start_cpu_s = time.perf_counter() - began, sum(os.times()[:2]) - own
         try:
-            world, host_processes = _processes(folder)
+            world, host_processes = _processes(run_folder)
+            start_cpu_s += _cpu(world) + _cpu(host_processes)
             if preferred:
                 _hurry([*world, *host_processes, psutil.Process()])
             with RosLink(id_) as link:
@@ -203,21 +217,28 @@ def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figu
                     orders.seen[-1],
                 )
                 used = (_cpu(world) - cpu[0], _cpu(host_processes) - cpu[1])
+                WorldClient(link).control(Control.Request.PAUSE)
+                paused = _cpu(world) + _cpu(host_processes)
+                time.sleep(PAUSED_S)
+                paused = (_cpu(world) + _cpu(host_processes) - paused) / PAUSED_S
                 return Figures(
                     agents,
+                    factor,
                     commanders(agents),
                     hosts,
                     lasted,
                     start_s,
+                    start_cpu_s,
                     last_cycle - cycle,
                     last_late - late,
-                    max(0, round((last - first) * 10) - (last_cycle - cycle)),
+                    max(0, round((last - first) * CYCLES_HZ * factor) - (last_cycle - cycle)),
                     len(taken),
                     median(taken) * 1000,
                     _percentile(taken, 0.99) * 1000,
                     max(taken) * 1000,
                     used[0] / lasted,
                     used[1] / lasted,
+                    paused,
                     _memory(world),
                     _memory(host_processes),
                 )
@@ -227,18 +248,21 @@ def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figu
 
 def show(results: list[Figures]) -> None:
     """Print a table."""
-    table = Table(title=f"Agents under commanders of {FAN_OUT}, in real time at 10 Hz")
+    table = Table(title=f"Agents under commanders of {FAN_OUT}")
     columns: list[tuple[str, Callable[[Figures], str]]] = [
         ("agents", lambda f: f"{f.agents:,}"),
         ("hosts", lambda f: f"{f.hosts}"),
         ("com-\nmanders", lambda f: f"{f.commanders:,}"),
         ("start\ns", lambda f: f"{f.start_s:.1f}"),
+        ("\nCPU s", lambda f: f"{f.start_cpu_s:.1f}"),
+        ("Hz", lambda f: f"{CYCLES_HZ * f.factor:g}"),
         ("cycles\nlost", lambda f: f"{f.behind}"),
         ("late\nanswers", lambda f: f"{f.late_answers:,}"),
         ("order ms\nmedian", lambda f: f"{f.order_ms_median:.0f}"),
         ("\np99", lambda f: f"{f.order_ms_p99:.0f}"),
         ("cores\nworld", lambda f: f"{f.cpu_world:.2f}"),
         ("\nhosts", lambda f: f"{f.cpu_hosts:.2f}"),
+        ("\npaused", lambda f: f"{f.cpu_paused:.2f}"),
         ("ms/s per\nagent", lambda f: f"{f.cpu_ms_per_agent:.2f}"),
         ("MB\nworld", lambda f: f"{f.memory_world:.0f}"),
         ("\nhosts", lambda f: f"{f.memory_hosts:.0f}"),
@@ -287,8 +311,9 @@ def plot(results: list[Figures], path: Path) -> None:
 
 def main(
     sizes: Annotated[str, typer.Option(help="Numbers of agents.")] = SIZES,
-    per_host: Annotated[int, typer.Option(help="Agents per host, of at least two.")] = 500,
+    per_host: Annotated[int, typer.Option(help="Agents per host, of at least two.")] = 2500,
     seconds: Annotated[float, typer.Option(help="How long to measure each size, s.")] = 60.0,
+    factor: Annotated[float, typer.Option(help="Speed, of real time at 10 Hz.")] = 1.0,
     preferred: Annotated[
         bool,
         typer.Option(help="Raise the priority of the swarm's processes; needs privileges."),
@@ -302,7 +327,7 @@ def main(
     results = []
     for size in [int(text) for text in sizes.split(",")]:
         hosts = max(2, math.ceil(size / per_host))
-        results.append(measure(size, hosts, seconds, preferred=preferred))
+        results.append(measure(size, hosts, seconds, factor, preferred=preferred))
         show(results)
         if json:
             # JSON has no infinity, which stands for an order that not all agents reported.

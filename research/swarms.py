@@ -8,9 +8,6 @@ from collections.abc import Iterator
 FAN_OUT = 5
 """Subordinates of a commander."""
 
-OWN_ROOT_ABOVE = 2000
-"""Agents; in larger swarms the root has a process of its own."""
-
 ORDERS = ("Explore", "Patrol", "Wait")
 
 
@@ -29,14 +26,15 @@ def commanders(agents: int) -> int:
     return sum(count for _, _, count in levels(agents))
 
 
-def description(agents: int, hosts: int, world: str = "plain_world") -> str:
+def description(agents: int, hosts: int, world: str = "plain_world", factor: float = 1.0) -> str:
     """Return the description of a swarm whose agents' count is a power of five, or about one."""
+    settings = f"factor: {factor}, parameters: {{agents: {agents}}}"
     lines = [
         "swarm: scale",
         f"domain: {world}:DOMAIN",
         "behavior: Explore",
         f"hosts: {hosts}",
-        f"world: {{kind: plain, module: {world}, parameters: {{agents: {agents}}}}}",
+        f"world: {{kind: plain, module: {world}, {settings}}}",
         "agents:",
         f"  ant: {{count: {agents}}}",
         "kinds:",
@@ -45,7 +43,5 @@ def description(agents: int, hosts: int, world: str = "plain_world") -> str:
     ]
     for name, below, count in levels(agents):
         whom = below if count == 1 else f"{{{below}: {FAN_OUT}}}"
-        # Hosts of thousands of agents are busy with discovery for a long time before they answer.
-        where = ", host: headquarters" if name == "root" and agents > OWN_ROOT_ABOVE else ""
-        lines.append(f"  {name}: {{kind: Leader, commands: {whom}{where}}}")
+        lines.append(f"  {name}: {{kind: Leader, commands: {whom}}}")
     return "\n".join(lines) + "\n"

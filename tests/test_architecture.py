@@ -49,22 +49,22 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2550,
+    "hitab_agent": 2750,
     "hitab_bringup": 2250,
     "hitab_class": 200,
     "hitab_cli": 2900,
-    "hitab_client": 3900,
-    "hitab_commander": 1100,
+    "hitab_client": 4000,
+    "hitab_commander": 1150,
     "hitab_core": 9700,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1600,
-    "hitab_studio": 4400,
+    "hitab_ros": 1750,
+    "hitab_studio": 4450,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 30150,
+    "tests": 30600,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

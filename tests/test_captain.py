@@ -25,7 +25,7 @@ def team(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Runni
 
 @pytest.fixture
 def view(team: RunningSwarm) -> CommanderView:
-    found = CommanderView(team.link)
+    found = CommanderView(team.agents)
     found.await_groups(SECONDS, ("captain",))
     return found
 

@@ -1,4 +1,4 @@
-"""A paused swarm of any size sends only what its few processes send, and has few endpoints."""
+"""A swarm in which nothing changes sends only what its few processes send; endpoints are few."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.runs.shipped import shipped
 from hitab_ros import names, qos
+from hitab_ros.presence import ROSTERS
 
 SECONDS = 60.0
 IDLE_STATUSES = 4  # of the world, which sends one a second
 HOSTS = 2
-ENDPOINTS = {"forager": 1, "squad": 4}
-"""Endpoints of a node that nobody has asked for anything: the status; a commander's status, group,
-orders and reports."""
+ENDPOINTS = {"forager": 1, "squad": 2}
+"""Endpoints of a node that nobody has asked for anything: the status; a commander's status and
+group."""
+CYCLES = 30  # of play, in which each process gives several signs of life
 
 
 def description(agents: int) -> str:
@@ -58,6 +60,8 @@ def test_what_does_not_change_costs_no_message_and_who_is_not_asked_has_few_endp
 ) -> None:
     with temporary_swarm(parse_swarm(description(agents), tmp_path / "idle.yaml")) as swarm:
         link, came = swarm.link, Counter[str]()
+        assert endpoints_of(swarm, "forager_1", "agent") == ENDPOINTS["forager"]
+        assert endpoints_of(swarm, "squad_1", "commander") == ENDPOINTS["squad"]
         for name in swarm.record.commanders:
             for kind, topic, profile in (
                 (msg.Reports, names.REPORTS, qos.EVENTS),
@@ -87,5 +91,42 @@ def test_what_does_not_change_costs_no_message_and_who_is_not_asked_has_few_endp
         assert link.spin_until(idle, SECONDS), came
         # Two signs of life a second from each host and from the world.
         assert came["alive"] <= 2 * (HOSTS + 1) * (IDLE_STATUSES + 1)
-        assert endpoints_of(swarm, "forager_1", "agent") == ENDPOINTS["forager"]
-        assert endpoints_of(swarm, "squad_1", "commander") == ENDPOINTS["squad"]
+
+
+def test_what_does_not_change_while_a_swarm_plays_is_told_by_signs_of_life(
+    home: Path, tmp_path: Path
+) -> None:
+    with temporary_swarm(parse_swarm(description(20), tmp_path / "idle.yaml")) as swarm:
+        link, came, hosts = swarm.link, Counter[str](), set[str]()
+        cycles, known = dict[str, int](), []
+
+        def on_roster(roster: msg.HostRoster) -> None:
+            hosts.add(roster.host)
+
+        def on_sign(sign: msg.Alive) -> None:
+            if sign.process in hosts:
+                cycles[sign.process] = sign.cycle
+
+        link.subscribe(msg.HostRoster, f"/{names.HOSTS}", on_roster, ROSTERS)
+        link.subscribe(msg.Alive, f"/{names.ALIVE}", on_sign, qos.SIGNS_OF_LIFE)
+        assert link.spin_until(lambda: len(hosts) == HOSTS, SECONDS)
+        receivers = [*hosts, *swarm.record.commanders]
+        for name in receivers:
+            for kind, topic in ((msg.Reports, names.REPORTS), (msg.Orders, names.ORDERS)):
+                link.subscribe(
+                    kind,
+                    f"/{name}/{topic}",
+                    lambda _, topic=topic: came.update([topic]),
+                    qos.EVENTS,
+                )
+        link.subscribe(msg.CommanderStatus, "/squad_1/group", known.append, qos.LATCHED)
+        swarm.world.control("resume")
+        assert link.spin_until(lambda: len(cycles) == HOSTS and min(cycles.values()) > 0, SECONDS)
+        assert link.spin_until(
+            lambda: known and not any(member.silent for member in known[-1].subordinates), SECONDS
+        )
+        came.clear()
+        until = min(cycles.values()) + CYCLES
+        assert link.spin_until(lambda: min(cycles.values()) >= until, SECONDS)
+        assert not came
+        assert not any(member.silent for member in known[-1].subordinates)

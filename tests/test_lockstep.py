@@ -166,7 +166,7 @@ def test_lost_datagrams_cost_no_deadlines(tmp_path, captained, lossy):
 def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name, comes):
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
     with temporary_swarm(swarm.with_world(pace="lockstep", paused=True), tmp_path) as running:
-        view = CommanderView(running.link)
+        view = CommanderView(running.agents)
         view.watch(["captain"])
         running.world.control(Control.Request.STEP, cycles=10_000)
         assert running.link.spin_until(lambda: running.world.status.cycle > 20, 60.0)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rclpy.parameter_service import ParameterService
 
 from hitab_agent.agent_services import AgentServices, command_topic
 from hitab_agent.endpoints import Endpoint
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.node.agent_base import AgentBase
-from hitab_ros import names
 from hitab_ros.timing import POLL_S
 
 
@@ -16,18 +17,18 @@ class AgentEndpoints:
     """Opens the endpoints of an agent: all at once, or those that somebody asks for.
 
     Attributes:
-        topics: the topics, by name.
+        topics: the topics.
     """
 
     def __init__(self, node: AgentBase) -> None:
         """Prepare the endpoints of a node; none is opened yet."""
         self._node = node
-        self.topics: dict[str, Endpoint] = {
-            names.STATUS: node.status.topic,
-            names.COMMAND: command_topic(node),
-            names.TRANSITIONS: node.transition_log.topic,
-            names.TRAINING: node.training.topic,
-        }
+        self.topics: list[Endpoint] = [
+            node.status.topic,
+            command_topic(node),
+            node.transition_log.topic,
+            node.training.topic,
+        ]
         self._services: dict[str, Endpoint] | None = None
 
     @property
@@ -38,14 +39,12 @@ class AgentEndpoints:
             self._services = {one.short_name: one for part in parts for one in part.endpoints}
         return self._services
 
-    def find(self, name: str, *, is_service: bool) -> Endpoint | None:
-        """Return the topic or the service with a name relative to the node, if it has one."""
+    def find(self, name: str, *, is_service: bool) -> Sequence[Endpoint]:
+        """Return the topics or services with a name relative to the node."""
         if is_service:
-            return self.services.get(name)
-        if name == names.PERCEIVED:
-            found: Endpoint = self._node.percept_log.topic
-            return found
-        return self.topics.get(name)
+            return [self.services[name]] if name in self.services else []
+        topics = [*self.topics, self._node.percept_log.topic]
+        return [topic for topic in topics if topic.short_name == name]
 
     def offer(self) -> None:
         """Open all endpoints, or begin to look for those that somebody asks for.
@@ -60,7 +59,7 @@ class AgentEndpoints:
             for service in self.services.values():
                 service.open()
         if shared.on_demand is None or shared.host is None:
-            for topic in self.topics.values():
+            for topic in self.topics:
                 topic.open()
         if shared.host is None:
             ParameterService(node)

@@ -31,7 +31,7 @@ def run_agent(make: Callable[[], AgentNode]) -> int:
         spinning.executor.add_node(node)
         check_name_is_free(spinning, [node], AgentStatus)
         node.join()
-        give_signs_of_life(node, node.settings.swarm)
+        give_signs_of_life(node, node.settings.swarm, node.shared.signs.fill)
 
     return run(start)
 

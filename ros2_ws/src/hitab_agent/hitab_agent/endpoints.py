@@ -25,21 +25,24 @@ class Endpoint:
     """A topic or service of a node, by its name relative to the node.
 
     Attributes:
+        node: the node.
         short_name: its name relative to the node.
         end: the publisher, subscription or service; None while there is none.
+        mirror: the node's own endpoint at the other end, which does not count as somebody else.
     """
 
-    __slots__ = ("_node", "end", "short_name")
+    __slots__ = ("end", "mirror", "node", "short_name")
 
     def __init__(self, node: GuardedNode, name: str) -> None:
-        self._node = node
+        self.node = node
         self.short_name = name
         self.end: Any = None
+        self.mirror: Endpoint | None = None
 
     @property
     def name(self) -> str:
         """The full name."""
-        return str(self._node.resolve_topic_name(self.short_name))
+        return str(self.node.resolve_topic_name(self.short_name))
 
     def open(self) -> None:
         """Create the publisher, subscription or service, unless it is there."""
@@ -53,7 +56,14 @@ class Endpoint:
             self._destroy(end)
 
     def is_asked_for(self, observer: Node) -> bool:
-        """Whether there is an endpoint at the other end, as a node sees the ROS graph."""
+        """Whether somebody has an endpoint at the other end, as a node sees the ROS graph."""
+        return self._others(observer) > self._own
+
+    @property
+    def _own(self) -> int:
+        return int(self.mirror is not None and self.mirror.end is not None)
+
+    def _others(self, observer: Node) -> int:
         raise NotImplementedError
 
     def _create(self) -> Any:
@@ -110,19 +120,18 @@ class PublishedTopic(Endpoint):
     @property
     def is_listened_to(self) -> bool:
         """Whether there is a publisher with subscribers."""
-        return self.end is not None and self.end.get_subscription_count() > 0
+        return self.end is not None and self.end.get_subscription_count() > self._own
 
-    def is_asked_for(self, observer: Node) -> bool:
-        """Whether there is a subscriber."""
-        return observer.count_subscribers(self.name) > 0
+    def _others(self, observer: Node) -> int:
+        return observer.count_subscribers(self.name)
 
     def _create(self) -> Any:
-        return self._node.create_publisher(
+        return self.node.create_publisher(
             self._kind, self.short_name, self._profile, temporary=True
         )
 
     def _destroy(self, end: Any) -> None:
-        self._node.destroy_publisher(end)
+        self.node.destroy_publisher(end)
 
 
 class HeardTopic(Endpoint):
@@ -134,15 +143,14 @@ class HeardTopic(Endpoint):
         super().__init__(node, name)
         self._subscribe = create
 
-    def is_asked_for(self, observer: Node) -> bool:
-        """Whether there is a publisher."""
-        return observer.count_publishers(self.name) > 0
+    def _others(self, observer: Node) -> int:
+        return observer.count_publishers(self.name)
 
     def _create(self) -> Any:
         return self._subscribe()
 
     def _destroy(self, end: Any) -> None:
-        self._node.destroy_subscription(end)
+        self.node.destroy_subscription(end)
 
 
 class OfferedService(Endpoint):
@@ -156,12 +164,11 @@ class OfferedService(Endpoint):
         super().__init__(node, name)
         self._kind, self._serve = kind, serve
 
-    def is_asked_for(self, observer: Node) -> bool:
-        """Whether there is a client."""
-        return observer.count_clients(self.name) > 0
+    def _others(self, observer: Node) -> int:
+        return observer.count_clients(self.name)
 
     def _create(self) -> Any:
-        return self._node.create_service(self._kind, self.short_name, self._serve)
+        return self.node.create_service(self._kind, self.short_name, self._serve)
 
     def _destroy(self, end: Any) -> None:
-        self._node.destroy_service(end)
+        self.node.destroy_service(end)

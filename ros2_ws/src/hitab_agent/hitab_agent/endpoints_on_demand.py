@@ -17,10 +17,6 @@ UNUSED_LOOKS = 40
 ask once ask again."""
 
 
-Key = tuple[bool, str]
-"""Whether it is a service, and its full name: a topic and a service may have the same."""
-
-
 class EndpointsOnDemand:
     """Opens and closes the endpoints of a process's agents."""
 
@@ -33,8 +29,7 @@ class EndpointsOnDemand:
         """
         self._host = host
         self._nodes: dict[str, AgentBase] = {}  # by namespace
-        self._open: dict[Key, tuple[AgentBase, Endpoint]] = {}
-        self._unused: dict[Key, int] = {}  # looks since the last use
+        self._unused: dict[Endpoint, int] = {}  # looks since the last use of those that are open
         scheduler.every(POLL_S, self.look)
 
     def add(self, node: AgentBase) -> None:
@@ -43,27 +38,23 @@ class EndpointsOnDemand:
 
     def look(self) -> None:
         """Open what is asked for, and close what has not been used for a while."""
-        for key, (node, endpoint) in [*self._open.items()]:
-            unused = 0 if endpoint.is_asked_for(self._host) else self._unused.get(key, 0) + 1
-            self._unused[key] = unused
+        for endpoint in [*self._unused]:
+            unused = 0 if endpoint.is_asked_for(self._host) else self._unused[endpoint] + 1
+            self._unused[endpoint] = unused
             if unused > UNUSED_LOOKS:
-                del self._open[key], self._unused[key]
-                node.guard.run(f"closing {key[1]}", endpoint.close)
+                del self._unused[endpoint]
+                endpoint.node.guard.run(f"closing {endpoint.short_name}", endpoint.close)
         if self._nodes:
             topics = self._host.get_topic_names_and_types()
             services = self._host.get_service_names_and_types()
             for is_service, found in ((False, topics), (True, services)):
-                for name, _ in found:
-                    self._consider(is_service, name)
+                for full_name, _ in found:
+                    namespace, _, name = full_name.rpartition("/")
+                    if (node := self._nodes.get(namespace)) is not None:
+                        node.guard.run(f"offering {name}", self._offer, node, name, is_service)
 
-    def _consider(self, is_service: bool, name: str) -> None:
-        namespace, _, own = name.rpartition("/")
-        asked = self._nodes.get(namespace)
-        if asked is not None and (is_service, name) not in self._open:
-            asked.guard.run(f"offering {name}", self._offer, asked, is_service, name, own)
-
-    def _offer(self, node: AgentBase, is_service: bool, full_name: str, name: str) -> None:
-        endpoint: Endpoint | None = node.endpoints.find(name, is_service=is_service)
-        if endpoint is not None and endpoint.end is None and endpoint.is_asked_for(self._host):
-            endpoint.open()
-            self._open[is_service, full_name] = node, endpoint
+    def _offer(self, node: AgentBase, name: str, is_service: bool) -> None:
+        for endpoint in node.endpoints.find(name, is_service=is_service):
+            if endpoint.end is None and endpoint.is_asked_for(self._host):
+                endpoint.open()
+                self._unused[endpoint] = 0

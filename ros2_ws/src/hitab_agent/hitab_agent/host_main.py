@@ -16,16 +16,13 @@ from __future__ import annotations
 
 import gc
 import sys
-from collections.abc import Mapping
 
 from hitab_msgs.msg import AgentStatus
 from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
 from hitab_agent.host_resources import HostResources
 from hitab_ros import (
-    NO_TYPE_DESCRIPTIONS,
     Spinner,
     check_name_is_free,
     give_signs_of_life,
@@ -45,6 +42,7 @@ ALL_ENDPOINTS = ParameterDescriptor(
 
 def start(spinning: Spinner) -> None:
     """Create all agents of the roster that the command line names."""
+    gc.disable()  # what the start makes stays, so collecting over it would be in vain
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
@@ -61,40 +59,23 @@ def start(spinning: Spinner) -> None:
     spinning.executor.add_node(desk)
     on_demand = not host.declare_parameter("all_endpoints", False, ALL_ENDPOINTS).value
     shared = HostResources(desk, is_host=True, on_demand=on_demand, swarm=swarm)
-    nodes = []
-    for entry in entries:
-        parameters = {"swarm": swarm, **entry.parameters}
-        node = entry.node(
-            namespace=f"{namespace}/{entry.name}",
-            parameter_overrides=[
-                NO_TYPE_DESCRIPTIONS,
-                *(Parameter(name, value=value) for name, value in parameters.items()),
-            ],
-            use_global_arguments=False,
-            cli_args=_renaming(entry.remap),
-            shared=shared,
-        )
+    nodes = [entry.create(namespace, swarm, shared) for entry in entries]
+    for node in nodes:
         spinning.executor.add_node(node)
-        nodes.append(node)
     check_name_is_free(spinning, nodes, AgentStatus, observer=desk)
     for node in nodes:
         node.join()
     for link in shared.links.values():
         link.listen()
     shared.publish_roster()
-    give_signs_of_life(desk, swarm)
+    give_signs_of_life(desk, swarm, shared.signs.fill)
     # The objects made so far stay, and collecting over them would take longer than a cycle.
     # Reference counting frees the objects of a cycle; only errors leave reference cycles, whose
     # collection is not urgent.
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
-
-
-def _renaming(remap: Mapping[str, str]) -> list[str]:
-    """Return the command-line arguments for a node's remappings."""
-    rules = [part for name, other in remap.items() for part in ("-r", f"{name}:={other}")]
-    return ["--ros-args", *rules] if rules else []
+    gc.enable()
 
 
 def main() -> None:

@@ -5,21 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hitab_msgs.msg import HostRoster
+
 from hitab_agent.agent_services import CommandsToMany
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.host.roster_topic import RosterTopic
 from hitab_agent.host.status_batches import StatusBatches
-from hitab_agent.links.order_subscriptions import OrderSubscriptions
-from hitab_agent.links.report_outbox import ReportOutbox
+from hitab_agent.links.exchange import Exchange
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_agent.topics.distribution import Distributions
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
-from hitab_ros import GuardedNode, names
+from hitab_ros import GuardedNode, HostRosters, names
 from hitab_ros.nodes.diagnostics import Diagnostics
-from hitab_ros.timing import AT_ONCE_S, TURN_S
+from hitab_ros.timing import AT_ONCE_S
 
 if TYPE_CHECKING:
     from hitab_agent.host.host_link import HostLink
@@ -33,13 +34,13 @@ class HostResources:
     """Timers, publishers and links that a process needs once, however many agents it runs.
 
     Attributes:
+        name: name of the process in its signs of life.
         nodes: the nodes of the agents that have joined.
         host: the node of the host, if the process is one.
         scheduler: calls at fixed rates.
         statuses: publishes changed statuses a little later.
-        orders: receives the orders of commanders.
-        outbox: sends reports to commanders.
-        signs: passes on signs of life of the processes of subordinates.
+        exchange: passes orders down and reports up.
+        signs: completes the process's signs of life, and passes on those of subordinates.
         distributions: sends and receives behaviors.
         diagnostics: publishes the agents' faults.
         on_demand: opens the agents' endpoints for those who ask; None if all are open.
@@ -66,12 +67,18 @@ class HostResources:
             on_demand: whether endpoints are opened for those who ask, instead of all at once.
             swarm: identity of the agents' swarm; empty if none.
         """
+
+        def is_own(roster: HostRoster) -> bool:
+            return swarm in ("", roster.swarm)
+
+        self.name = names.own_name(node)
         self.nodes: list[AgentBase] = []
         self.host = node if is_host else None
         self.scheduler = Scheduler(node)
         self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
-        self.orders = OrderSubscriptions(node)
-        self.outbox = ReportOutbox(node, JobQueue(node, TURN_S) if is_host else None)
+        hosts = names.in_swarm(node, names.HOSTS)
+        rosters = HostRosters(node, hosts, is_own) if is_host else None
+        self.exchange = Exchange(node, self.scheduler, rosters)
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
@@ -83,8 +90,8 @@ class HostResources:
         self.batches: StatusBatches | None = None
         self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
         self._readers: dict[int, LibraryReader] = {}
-        if is_host:
-            self.roster = RosterTopic(node, self.nodes, swarm)
+        if rosters is not None:
+            self.roster = RosterTopic(node, self.nodes, swarm, rosters)
             self.batches = StatusBatches(node, self.nodes, self.scheduler)
             CommandsToMany(node, self.nodes)
             node.guard.faults.changed = self._publish_all_soon
@@ -109,10 +116,9 @@ class HostResources:
         if world not in self.links:
             from hitab_agent.host.host_link import HostLink  # only hosts need this import
 
-            name = names.own_name(host)
             assert self.roster is not None, "only hosts have such links"
             self.links[world] = HostLink(
-                host, name, world, self.outbox, self.orders, self.nodes, self.roster
+                host, self.name, world, self.exchange, self.nodes, self.roster
             )
         return self.links[world]
 

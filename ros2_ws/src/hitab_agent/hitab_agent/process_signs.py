@@ -1,33 +1,68 @@
-"""Signs of life of the processes that run the subordinates of a process's commanders."""
+"""Signs of life of a process, and of those that run the subordinates of its commanders."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from hitab_msgs.msg import Alive
 
+from hitab_agent.scheduler import JobQueue
+from hitab_core.orders import Subordinate
 from hitab_ros import GuardedNode, names, qos
 
-Follow = Callable[[str], None]
+Follow = Callable[[Alive], None]
+
+NOTHING = (0, 0, 0, 0.0)
 
 
 class ProcessSigns:
-    """Subscribes to signs of life once for all commanders of a process.
+    """Passes signs of life on to all commanders of a process, and completes its own signs.
 
-    Thousands of subordinates do not cost more messages than the processes that run them.
+    Thousands of subordinates do not cost more messages than the processes that run them: the
+    signs tell the last percepts of all, and within the process no message is needed.
+
+    Attributes:
+        tells: whether the last own sign told the agents' last percepts, so that they need not
+            report them.
     """
 
     def __init__(self, node: GuardedNode) -> None:
+        self.tells = False
         self._node = node
+        self._process = names.own_name(node)
         self._followers: dict[str, dict[Follow, None]] = {}
+        self._perceiving: list[Subordinate] = []
+        # Hundreds of commanders that decide at a sign must not delay a percept or an order.
+        self._later = JobQueue(node)
+
+    def tell_of(self, subordinate: Subordinate) -> None:
+        """Tell in the process's signs of life what an agent last perceived."""
+        self._perceiving.append(subordinate)
+
+    def fill(self, sign: Alive) -> None:
+        """Complete a sign of life of this process, and pass it on to its own commanders.
+
+        It tells the last percepts if they are all of one cycle, as of agents in one world.
+        """
+        perceived = {subordinate.perceived for subordinate in self._perceiving}
+        self.tells = len(perceived) == 1
+        sign.cycle, sign.episode, sign.seed, sign.seconds = (
+            perceived.pop() if self.tells else NOTHING
+        )
+        self._pass_on(sign)
 
     def follow(self, process: str, call: Follow) -> None:
-        """Call a guarded function with the name of a process at each of its signs of life."""
-        if not self._followers:
+        """Call a guarded function with each sign of life of a process."""
+        if process != self._process and not self._followers.keys() - {self._process}:
             topic = names.in_swarm(self._node, names.ALIVE)
             self._node.create_subscription(Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
         self._followers.setdefault(process, {})[call] = None
 
     def _hear(self, sign: Alive) -> None:
+        if sign.process != self._process:
+            self._pass_on(sign)
+
+    def _pass_on(self, sign: Alive) -> None:
         for call in self._followers.get(sign.process, ()):
-            call(sign.process)
+            self._later.call(partial(call, sign))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -20,6 +21,7 @@ DOMAIN = Domain.of(
     behaviors=[BasicBehavior("Go"), BasicBehavior("Wait")],
     features=[Feature("X", lambda body: body.x)],
 )
+PERCEPT = msg.Percept.get_fields_and_field_types()
 AGENTS = ("one", "two", "three")
 
 
@@ -115,11 +117,11 @@ def test_what_a_hosted_agent_perceives_is_published_from_the_next_percept_on(hos
     host.process.until(lambda: "perceived" in host.ends("one"))
     log = host.nodes["one"].percept_log
     host.process.until(lambda: log._receivers.count)
-    shared = type("Shared", (), {})()  # one object for all agents of a host
+    shared = SimpleNamespace(**{field: getattr(msg.Percept(), field) for field in PERCEPT})
     for cycle in (4, 5):
-        shared.__dict__.update(cycle=cycle, values=[float(cycle)])
+        shared.cycle, shared.values = cycle, [float(cycle)]
         log.tell(shared)
-        shared.values = [0.0]
+        shared.values = [0.0]  # one object for all agents of a host
     host.process.until(lambda: len(came) == 2)
     assert [(p.cycle, list(p.values)) for p in came] == [(4, [4.0]), (5, [5.0])]
 

@@ -244,6 +244,21 @@ def test_who_fails_outside_its_body_fails_alone_and_says_so(swarm):
     assert not any(others)
 
 
+def test_a_fault_is_shown_until_the_agent_succeeds_not_until_others_do(swarm):
+    failing = swarm.nodes[3]
+    of_time, failing.status.publish_soon = failing.status.publish_soon, lambda: 1 / 0
+    failing._unsettled = True
+    swarm.act([1.0] * SIZE)
+    failing.status.publish_soon = of_time
+    assert list(failing.guard.faults.by_key) == ["acting"]
+    others = [n for n in range(SIZE) if n != 3]
+    for _ in range(2):
+        swarm.act([1.0] * len(others), agents=others, value_counts=[1] * len(others))
+        assert list(failing.guard.faults.by_key) == ["acting"]
+    swarm.act([1.0] * SIZE)
+    assert not failing.guard.faults
+
+
 def test_what_is_wrong_with_a_host_is_said_by_all_its_agents(swarm):
     told = hear_faults(swarm, 5)
     swarm.act([1.0] * SIZE)

@@ -8,7 +8,7 @@ from hitab_msgs import msg, srv
 
 from hitab_agent.endpoints import OfferedService
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
-from hitab_agent.links.order_subscriptions import OrderSubscriptions
+from hitab_agent.links.exchange import Exchange
 from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_ros import names, qos
 from hitab_ros.nodes.guarded_node import GuardedNode
@@ -47,16 +47,16 @@ def test_all_who_are_under_a_commander_hear_it_through_one_subscription(process)
     node = process.node
     topic = f"/chief/{names.ORDER}"
     publisher = node.create_publisher(msg.Order, topic, qos.LATCHED)
-    desk, heard = OrderSubscriptions(node), []
+    exchange, heard = Exchange(node, Scheduler(node)), []
     before = len(list(node.subscriptions))
-    desk.listen(node, topic, lambda order: fails())
+    exchange.obey(node, "chief", lambda order: fails())
     for who in ("a", "b"):
-        desk.listen(node, topic, lambda order, who=who: heard.append((who, order.name)))
+        exchange.obey(node, "chief", lambda order, who=who: heard.append((who, order.name)))
     assert len(list(node.subscriptions)) == before + 1
     publisher.publish(msg.Order(commander="chief", epoch=1, sequence=1, order="Attack"))
     process.until(lambda: len(heard) == 2)
     assert heard == [("a", "Attack"), ("b", "Attack")]
-    desk.listen(node, topic, lambda order: heard.append(("late", order.name)))
+    exchange.obey(node, "chief", lambda order: heard.append(("late", order.name)))
     assert heard[-1] == ("late", "Attack")
 
 
@@ -86,7 +86,7 @@ def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
     for one, create in ((other, fails), (another, lambda: offered.append("b"))):
         service = OfferedService(one, srv.Perform, "perform", lambda *rest: None)
         one.create_service = lambda *rest, create=create: create()
-        one.endpoints = SimpleNamespace(find=lambda *rest, service=service, **more: service)
+        one.endpoints = SimpleNamespace(find=lambda *rest, service=service, **more: [service])
         services.add(one)
     for name in ("/a/perform", "/b/perform"):
         node.create_client(srv.Perform, name)

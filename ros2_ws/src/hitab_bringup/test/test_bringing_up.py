@@ -7,6 +7,7 @@ from hitab_msgs.msg import CommanderStatus, Subordinate
 
 from hitab_bringup.processes import bringing_up
 from hitab_client import CommanderView, RosLink, domain_ids
+from hitab_client.showing.agent_presence import AgentPresence
 from hitab_ros import names, qos
 
 RECORD = SimpleNamespace(
@@ -38,7 +39,7 @@ def group():
 
 def test_up_waits_until_commanders_hear_everybody_or_says_that_they_do_not_yet(group, monkeypatch):
     link, publish = group
-    view = CommanderView(link, identity=RECORD.identity)
+    view = CommanderView(AgentPresence(link, identity=RECORD.identity))
     view.watch(RECORD.commanders)
     running = SimpleNamespace(record=RECORD, link=link, groups=view)
     monkeypatch.setattr(bringing_up, "DISCOVERY_EACH_S", 0.0)

@@ -142,8 +142,12 @@ def test_agents_may_start_from_a_library_by_its_name_as_the_command_line_takes_i
 
 @pytest.mark.parametrize(
     ("count", "line", "all_at_once"),
-    [(2, "", True), (200, "", False), (2, "all_endpoints: false", False)]
-    + [(200, "all_endpoints: true", True)],
+    [
+        (2, "", True),
+        (200, "", False),
+        (2, "all_endpoints: false", False),
+        (200, "all_endpoints: true", True),
+    ],
 )
 def test_hosts_of_few_agents_open_all_endpoints_at_once(tmp_path, count, line, all_at_once):
     text = f"swarm: s\ndomain: foraging\nhosts: 1\n{line}\nagents: {{ant: {{count: {count}}}}}\n"

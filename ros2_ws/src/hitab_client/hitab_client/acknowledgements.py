@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from hitab_msgs.msg import DistributionAck
 
@@ -61,23 +60,28 @@ class Acknowledgements:
     def _take(self, ack: DistributionAck) -> None:
         self._acks.setdefault(ack.sequence, {})[ack.agent] = ack
 
-    async def await_hearing(self, agents: Iterable[str]) -> None:
-        """Wait until acknowledgements can arrive from the processes of all these agents."""
-        node = self._link.node
-        unheard = set(agents)
+    async def await_hearing(self, alone: Iterable[str]) -> None:
+        """Wait until acknowledgements can arrive from all hosts, and from agents outside of hosts.
+
+        Args:
+            alone: the agents outside of hosts.
+        """
+        hosts = names.of_swarm(names.STATUSES, self._prefix)
+        unheard = {names.of_agent(agent, names.STATUS, self._prefix) for agent in alone}
 
         def heard() -> bool:
-            publishing = {
-                _process(info) for info in node.get_publishers_info_by_topic(self._topic)
-            }
-            for agent in sorted(unheard):
-                status = names.of_agent(agent, names.STATUS, self._prefix)
-                infos = node.get_publishers_info_by_topic(status)
-                if any(_process(info) in publishing for info in infos):
-                    unheard.discard(agent)
-            return not unheard
+            publishing = self._processes(self._topic)
+            for status in sorted(unheard):
+                if self._processes(status) & publishing:
+                    unheard.discard(status)
+            return not unheard and self._processes(hosts) <= publishing
 
         await self._link.until(heard, PROMPT_S, 0.01)
+
+    def _processes(self, topic: str) -> set[tuple[int, ...]]:
+        """Return the processes that publish a topic, by DDS GUID prefix."""
+        infos = self._link.node.get_publishers_info_by_topic(topic)
+        return {tuple(info.endpoint_gid[:12]) for info in infos}
 
     async def gather(
         self,
@@ -111,8 +115,3 @@ class Acknowledgements:
             else:
                 report.refused[name] = ack.message or "its files differ from those that were sent"
         return report
-
-
-def _process(info: Any) -> tuple[int, ...]:
-    """Return the DDS GUID prefix, which all topics of a process share."""
-    return tuple(info.endpoint_gid[:12])

@@ -89,6 +89,7 @@ class SwarmClient(AgentPresence):
         Raises:
             SwarmError: if the agent is missing, does not answer, or refuses, with its message.
         """
+        self.will_do(agent, type(operation))
         await self.await_agent.coroutine(agent)
         if world is not None and world.is_paused:
             await self.link.until(lambda: agent not in world.missing, seconds)
@@ -125,11 +126,13 @@ class SwarmClient(AgentPresence):
         Raises:
             SwarmError: if the agent refuses, with its message.
         """
+        full_name = names.of_agent(agent, service, self.prefix)
+        self.link.will_call(kind, full_name)  # a host creates it together with the status
         await self.await_agent.coroutine(agent)
         try:
             return await self.link.call.coroutine(
                 kind,
-                names.of_agent(agent, service, self.prefix),
+                full_name,
                 request,
                 missing=lambda: self._absence(agent, DISCOVERY_S),
                 where=agent,
@@ -292,7 +295,9 @@ class SwarmClient(AgentPresence):
         chosen = [name for name in sent.receivers or self.mates_of(source) if name != source]
         if not chosen:
             raise SwarmError(f"there is no other agent of the domain of {source} to send it to")
-        await self.acknowledgements.await_hearing(chosen)
+        await self.acknowledgements.await_hearing(
+            agent for agent in chosen if not self.is_hosted(agent)
+        )
         answer = await self.do.coroutine(source, replace(sent, receivers=chosen))
         report = await self.acknowledgements.gather(
             answer.sequence, answer.digest, chosen, seconds, progress

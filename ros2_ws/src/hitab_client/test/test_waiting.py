@@ -76,6 +76,9 @@ class Link(Caller):
         self.answers = list(answers)
         self.perceives: Callable[[], None] = lambda: None
 
+    def will_call(self, kind: type, service: str) -> None:
+        """No preparation is needed."""
+
     def subscribe(self, kind: type, topic: str, hear: Callable[[Any], None], *_: Any) -> None:
         if kind is AgentStatus:
             self.hear = hear

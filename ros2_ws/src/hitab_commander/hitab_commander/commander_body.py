@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from hitab_commander.aggregation import observed, of_positions, summed_up
 from hitab_commander.kinds.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
@@ -12,6 +13,18 @@ from hitab_commander.roll_call import RollCall
 from hitab_core.orders import ALL_OTHERS, Order, OrderId, Report
 
 NAN = math.nan
+
+
+class SignOfLife(Protocol):
+    """A process's sign of life, with the cycle, episode and seed of its agents' last percepts.
+
+    All three are zero if its agents report their percepts themselves.
+    """
+
+    process: str
+    cycle: int
+    episode: int
+    seed: int
 
 
 @dataclass(slots=True)
@@ -26,6 +39,7 @@ class GroupMember:
         heard_at: time, s, of the last report or sign of life; before the first, the time at which
             the commander began to wait for it.
         process: name of the process that sent ``latest``; empty if unknown.
+        cycle: the last cycle that it is known to have perceived.
         beaten: whether there was a report since the process's last sign of life.
     """
 
@@ -34,6 +48,7 @@ class GroupMember:
     latest: Report | None = None
     heard_at: float = 0.0
     process: str = ""
+    cycle: int = 0
     beaten: bool = False
 
 
@@ -134,6 +149,7 @@ class CommanderBody:
         if not (self.roll.round and known is not None and report.round == known.round):
             member.report = report
         member.latest, member.heard_at, member.beaten = report, now, True
+        member.cycle = report.cycle
         return before is None or was_silent or _activity(before) != _activity(report)
 
     def _change_time(self, report: Report, member: GroupMember) -> None:
@@ -147,18 +163,34 @@ class CommanderBody:
             if before is not None and before.round and report.cycle >= before.cycle:
                 roll.end()
 
-    def hear_sign(self, process: str, now: float) -> None:
+    def hear_sign(self, sign: SignOfLife, now: float) -> None:
         """Take a sign of life of a process: its agents do what they have reported.
 
-        A silent member remains silent, since its reports may have been lost; it reports again when
+        They have perceived the cycle that it tells, unless they report a new episode themselves. A
+        silent member remains silent, since its reports may have been lost; it reports again when
         the order is repeated.
         """
         self.now = now
         for name, member in self.members.items():
-            if member.process == process and not self.is_silent(name):
+            if member.process == sign.process and not self.is_silent(name):
                 if not member.beaten:
                     self._unheard.discard(name)
+                    latest = member.latest
+                    if sign.cycle and latest is not None and _episode(latest) == _episode(sign):
+                        member.cycle = sign.cycle
                 member.heard_at, member.beaten = now, False
+
+    def lose(self, names: Collection[str]) -> None:
+        """Take subordinates for silent until they report again: they were restarted."""
+        for name in names:
+            member = self.members[name]
+            if member.latest is not None:
+                member.heard_at = -math.inf
+
+    @property
+    def cycle(self) -> int:
+        """The latest cycle that all have perceived: the world's once all have told it."""
+        return min((self.members[name].cycle for name, _ in self.present()), default=0)
 
     def round_ends(self) -> bool:
         """Return whether all members have reported in this round; if so, begin the next round.
@@ -313,6 +345,10 @@ class CommanderBody:
                     self.give(order, name)
                     return True
         return False
+
+
+def _episode(told: Report | SignOfLife) -> tuple[int, int]:
+    return told.seed, told.episode
 
 
 def _activity(report: Report) -> tuple[object, ...]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent import AgentNode, RoundGate
+from hitab_agent import AgentNode, HeardTopic, PublishedTopic, RoundGate
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
@@ -38,7 +40,7 @@ class CommanderLink:
     Attributes:
         body: the group.
         group: publishes its status.
-        seconds: the subordinates' time, s.
+        seconds: the subordinates' time, s: the number of complete reports times the period.
         calm: whether another decision would be the same as the last one, which changed nothing and
             drew no random number; then none is made at the fixed rate.
     """
@@ -49,12 +51,11 @@ class CommanderLink:
         settings = GroupSettings.declare(node)
         self._node = node
         self._agent = agent
-        self._outbox = shared.outbox
+        self._exchange = shared.exchange
         self.body: CommanderBody = agent.body
         self.group = GroupStatus(node)
-        node.endpoints.topics[names.GROUP] = self.group.topic
         self._lockstep = Lockstep(self.body)
-        self._gate = RoundGate(shared.orders)
+        self._gate = RoundGate(shared.exchange)
         self.seconds = 0.0
         self._listened = ListenedTime(max(POLL_S, 2.0 / self.body.kind.rate))
         self._episode: Episode | None = None
@@ -65,7 +66,14 @@ class CommanderLink:
         self._silent: list[bool] = []
         self._look_at = 0.0
         self._hear_sign = node.guard.wrap("signs of life", self._on_sign)
-        self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
+        self._orders = PublishedTopic(node, msg.Order, names.ORDER, qos.LATCHED, self._show_order)
+        # Observers find here also the reports that came another way.
+        self._reports = PublishedTopic(node, msg.Reports, names.REPORTS, qos.EVENTS)
+        subscription = HeardTopic(node, names.REPORTS, self._subscribe)
+        self._reports.mirror, subscription.mirror = subscription, self._reports
+        node.endpoints.topics += [self.group.topic, self._orders, subscription]
+        if shared.host is not None:
+            node.endpoints.topics.append(self._reports)
         stored = node.memory.values
         epoch = stored.get("epoch")
         self.body.enlist(
@@ -76,12 +84,18 @@ class CommanderLink:
             asks_position=settings.asks_position,
         )
         self.body.on_order = self._on_order
+        self._in_force = self.body.order
+        self._exchange.command(node, settings.roles, self._on_reports, self._on_loss)
         self._resume(str(stored.get("order", "")) if node.memory.performed is not None else "")
-        node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
         shared.scheduler.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates continue to follow their orders."""
+
+    def _subscribe(self) -> Any:
+        return self._node.create_subscription(
+            msg.Reports, names.REPORTS, self._on_topic, qos.EVENTS, temporary=True
+        )
 
     def _resume(self, order: str) -> None:
         """Resume the order of the previous process, or publish that there is none."""
@@ -95,17 +109,27 @@ class CommanderLink:
 
     # -- hearing ----------------------------------------------------------------------------
 
-    def _on_reports(self, message: msg.Reports) -> None:
+    def _on_topic(self, message: msg.Reports) -> None:
+        if message.process != self._node.shared.name:
+            self._hear(message.reports, message.process)
+
+    def _on_reports(self, reports: Sequence[Report | msg.Report], process: str) -> None:
+        self._hear(reports, process)
+        if self._reports.is_listened_to:
+            shown = [message_of(msg.Report, report) for report in reports]
+            self._reports.publish(msg.Reports(reports=shown, process=self._node.shared.name))
+
+    def _hear(self, reports: Sequence[Report | msg.Report], process: str) -> None:
         body = self.body
         now = self._listened.now()
         changed = restart = False
         newest = body.number
-        for report in message.reports:
+        for report in reports:
             if (member := body.members.get(report.agent)) is not None:
                 newest = max(newest, (report.epoch, report.sequence))
-                if member.process != message.process:
-                    member.process = message.process
-                    self._node.shared.signs.follow(message.process, self._hear_sign)
+                if member.process != process:
+                    member.process = process
+                    self._node.shared.signs.follow(process, self._hear_sign)
             news, complete = self._lockstep.hear(report, now)
             changed |= news
             if complete is not None:
@@ -122,16 +146,20 @@ class CommanderLink:
         self.calm &= not (changed or restart or body.order.asks)
         self._hear_all(changed=changed, restart=restart)
 
-    def _on_sign(self, process: str) -> None:
+    def _on_sign(self, sign: msg.Alive) -> None:
         if not self._lockstep.active:
-            self.body.hear_sign(process, self._listened.now())
+            self.body.hear_sign(sign, self._listened.now())
             self._hear_all()
+
+    def _on_loss(self, lost: Collection[str]) -> None:
+        """Repeat the order soon for subordinates that were restarted."""
+        self.body.lose(lost)
+        self._look_at = 0.0
 
     def _hear_all(self, *, changed: bool = False, restart: bool = False) -> None:
         """Decide if something has changed, or if all members have been heard again."""
         body = self.body
-        # The cycle is the latest that all have seen: the world's own once all have reported it.
-        self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
+        self._percept.cycle = body.cycle
         everybody = body.round_ends()
         if everybody:
             self.seconds += body.kind.report_period
@@ -169,8 +197,8 @@ class CommanderLink:
         percept.look, percept.restart, percept.lockstep = present.look, present.restart, True
         self.seconds = present.seconds
         self._episode = present.seed, present.episode
-        with self._outbox.at_once():
-            self._node.take_in(percept)
+        with self._exchange.at_once():
+            self._node.take_in(percept, self.seconds)
         self._gate.begin(
             present.number,
             self._node.awaited_orders(),
@@ -219,11 +247,11 @@ class CommanderLink:
         percept.restart |= restart
         percept.stamp = self._node.get_clock().now().to_msg()
         self._decided, self.calm = True, False
-        with self._outbox.held():
+        with self._exchange.held():
             if self.body.ready:
                 agent = self._agent
                 before = agent.active_path, agent.draws, agent.mode
-                self._node.take_in(percept)
+                self._node.take_in(percept, self.seconds)
                 self._node.answer(percept)
                 percept.restart = False
                 # The next decision would be the same, unless something changes.
@@ -246,5 +274,11 @@ class CommanderLink:
         self.group.changed = True
 
     def _publish(self, order: Order) -> None:
-        message = message_of(msg.Order, order, commander=self._agent.name, order=order.name)
-        self._orders.publish(message)
+        self._in_force = order
+        self._exchange.give(self._agent.name, order)
+        self._show_order()
+
+    def _show_order(self) -> None:
+        if self._orders.end is not None:
+            order, name = self._in_force, self._agent.name
+            self._orders.publish(message_of(msg.Order, order, commander=name, order=order.name))

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from hitab_msgs import msg
-
 from hitab_agent import AgentNode
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.commander_link import CommanderLink
@@ -48,10 +46,6 @@ class CommanderNode(AgentNode):
         if name not in domains:
             domains[name] = commander_domain(read_kind(Path(name)))
         return domains[name]
-
-    def seconds_of(self, percept: msg.Percept) -> float:
-        """Return the subordinates' time, s: the number of complete reports times the period."""
-        return 0.0 if self._link is None else self._link.seconds
 
     def ordered(self) -> None:
         """Decide at once what the subordinates should do for an order to this commander."""

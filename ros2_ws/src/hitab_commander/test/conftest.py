@@ -14,12 +14,13 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 
+from hitab_agent.host_resources import HostResources
 from hitab_agent.node.agent_node import AgentNode
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.operations import BeginTraining, Command, Perform
 from hitab_core.training.operation import Operation
-from hitab_ros import give_signs_of_life, names, qos
+from hitab_ros import GuardedNode, give_signs_of_life, names, qos
 from hitab_ros.messages.conversions import request_of
 from hitab_ros.testing import context_of_its_own
 
@@ -61,6 +62,48 @@ ANT = Domain.of(
 )
 
 
+class Host:
+    """A host of the team: its desk, and what its nodes share.
+
+    Attributes:
+        batches: what other hosts sent to it, or this one sent to itself.
+    """
+
+    def __init__(self, team: "Team", name: str) -> None:
+        self.name = name
+        self.desk = GuardedNode("host", namespace=f"/{name}", context=team.context)
+        team.executor.add_node(self.desk)
+        self.shared = HostResources(self.desk, is_host=True, on_demand=True, swarm="team")
+        self.batches: list[msg.Orders | msg.Reports] = []
+        for kind, topic in ((msg.Orders, names.ORDERS), (msg.Reports, names.REPORTS)):
+            team.link.create_subscription(
+                kind, f"/{name}/{topic}", self.batches.append, qos.EVENTS
+            )
+        self._percepts = team.link.create_publisher(
+            msg.PerceptBatch, f"/{name}/{names.PERCEPTS}", qos.CYCLE
+        )
+        self._team, self._cycle = team, 0
+
+    def publish_roster(self) -> None:
+        """Begin to live, as a host does once all of its nodes have joined."""
+        for link in self.shared.links.values():
+            link.listen()
+        self.shared.roster.publish()
+        give_signs_of_life(self.desk, "team", self.shared.signs.fill)
+
+    def play(self, agents: int) -> int:
+        """Give the first of its nodes a percept each, and return the cycle."""
+        self._team.until(self._percepts.get_subscription_count)
+        self._cycle += 1
+        batch = msg.PerceptBatch(agents=range(agents), value_counts=[3] * agents)
+        batch.roster, batch.values = self.shared.roster.number, [0.0] * 3 * agents
+        batch.sequence = batch.cycle = self._cycle
+        self._percepts.publish(batch)
+        nodes = self.shared.nodes[:agents]
+        self._team.until(lambda: all(node.agent.cycle == self._cycle for node in nodes))
+        return self._cycle
+
+
 class AntNode(AgentNode):
     """The node of an ant."""
 
@@ -82,6 +125,7 @@ class Team:
         self.context = context
         self.executor = EventsExecutor(context=context)
         self.nodes: dict[str, Any] = {}
+        self.hosts: dict[str, Host] = {}
         self.link = rclpy.create_node(
             "test", context=context, enable_rosout=False, start_parameter_services=False
         )
@@ -98,17 +142,38 @@ class Team:
         """Return which subordinates of the chief perform its order."""
         return [member.obeys for member in self.groups["chief"].subordinates]
 
+    def host(self, name: str) -> Host:
+        """Start a host, without nodes so far."""
+        self.hosts[name] = Host(self, name)
+        return self.hosts[name]
+
+    def end_host(self, name: str) -> None:
+        """End a host with its nodes."""
+        host = self.hosts.pop(name)
+        for node in host.shared.nodes:
+            self.end(node.agent_name)
+        self.executor.remove_node(host.desk)
+        host.desk.destroy_node()
+
     def ant(self, name: str, commander: str = "", role: str = "", **settings: Any) -> AntNode:
         return self._join(AntNode, name, commander=commander, role=role, **settings)
 
     def commander(
-        self, name: str, kind: str, subordinates: list[str], superior: str = "", **settings: Any
+        self,
+        name: str,
+        kind: str,
+        subordinates: list[str],
+        superior: str = "",
+        *,
+        orders_are_shown: bool = True,
+        **settings: Any,
     ) -> CommanderNode:
         file = self.folder / f"{name}.yaml"
         file.write_text(kind)
         if name not in self.orders:
             self.orders[name] = []
-            self._listen(msg.Order, name, names.ORDER, self.orders[name].append)
+            if orders_are_shown:
+                self._listen(msg.Order, name, names.ORDER, self.orders[name].append)
             self._listen(
                 msg.CommanderStatus, name, names.GROUP, lambda g: self.groups.__setitem__(name, g)
             )
@@ -121,7 +186,9 @@ class Team:
             **settings,
         )
 
-    def _join(self, node_class: Any, name: str, **settings: Any) -> Any:
+    def _join(
+        self, node_class: Any, name: str, *, host: Host | None = None, **settings: Any
+    ) -> Any:
         settings = {
             "swarm": "team",
             "state_dir": str(self.folder / "state"),
@@ -133,6 +200,7 @@ class Team:
             context=self.context,
             parameter_overrides=[Parameter(k, value=v) for k, v in settings.items()],
             use_global_arguments=False,
+            shared=host and host.shared,
         )
         if name not in self._percepts:
             self._percepts[name] = None
@@ -142,8 +210,8 @@ class Team:
         self.executor.add_node(node)
         self.nodes[name] = node
         node.join()
-        if self.gives_signs:
-            give_signs_of_life(node)
+        if self.gives_signs and host is None:
+            give_signs_of_life(node, fill=node.shared.signs.fill)
         return node
 
     def _listen(self, kind: Any, name: str, topic: str, take: Callable[[Any], None]) -> None:
@@ -157,6 +225,8 @@ class Team:
         node.agent.journal.close()  # as the end of a process does
 
     def close(self) -> None:
+        for name in list(self.hosts):
+            self.end_host(name)
         for name in list(self.nodes):
             self.end(name)
         self.executor.remove_node(self.link)

@@ -184,17 +184,15 @@ class Agent(AgentLibrary):
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        trained, running = self._trained, self._performed
-        if trained is not None:
-            running = trained.running
-        active = running if trained is None else trained
+        trained = None if self.mode is Mode.PERFORMING else self._trained
+        active = self._performed if trained is None else trained
         if active is None:
             return
-        if self.mode is Mode.TRAINING:
+        if self.mode is Mode.TRAINING or not self.monitor.judges:
             active.tick()
             return
         examples = () if trained is None else trained.examples
-        if not self.monitor.watch(active.tick, running, self.context, examples):
+        if not self.monitor.watch(active.tick, self.running, self.context, examples):
             self._hand_back()
 
     def _hand_back(self) -> None:

@@ -8,6 +8,7 @@ from . import timing as timing
 from .busy_timeout import BusyTimeout as BusyTimeout
 from .messages import checks as checks
 from .messages import conversions as conversions
+from .messages import cycle_codec as cycle_codec
 from .messages import plain_text as plain_text
 from .messages import stamps as stamps
 from .nodes import diagnostics as diagnostics

@@ -43,6 +43,7 @@ GROUP = "group"
 
 # Of a host of many agents.
 PERCEPTS = "percepts"
+ORDERS = "orders"  # of the commanders of another host; its reports are on REPORTS
 
 # Of a world; its status topic is also STATUS.
 ACTIONS = "actions"

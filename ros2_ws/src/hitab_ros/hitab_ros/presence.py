@@ -120,9 +120,9 @@ class HostRosters:
         node: node to subscribe with.
         topic: full name of the topic of rosters.
         accept: whether a roster is of the swarm; by default, all are.
-        changed: called with each accepted roster.
 
     Attributes:
+        changed: functions that are called with each accepted roster.
         members: the names of each host's agents and commanders, by host.
         host_of: the host of each agent and commander, by name.
     """
@@ -132,13 +132,12 @@ class HostRosters:
         node: Node,
         topic: str,
         accept: Callable[[HostRoster], bool] = lambda roster: True,
-        changed: Callable[[HostRoster], object] = lambda roster: None,
     ) -> None:
         self.members: dict[str, tuple[str, ...]] = {}
         self.host_of: dict[str, str] = {}
         self._numbers: dict[str, int] = {}
         self._accept = accept
-        self._changed = changed
+        self.changed: list[Callable[[HostRoster], object]] = []
         node.create_subscription(HostRoster, topic, self._take, ROSTERS)
 
     def _take(self, roster: HostRoster) -> None:
@@ -153,7 +152,8 @@ class HostRosters:
                 del self.host_of[name]
         self.members[host] = tuple(roster.agents)
         self.host_of.update(dict.fromkeys(roster.agents, host))
-        self._changed(roster)
+        for changed in self.changed:
+            changed(roster)
 
 
 class SignsOfLife(Presence):
@@ -173,9 +173,8 @@ class SignsOfLife(Presence):
         super().__init__()
         self._is_own = is_own
         rosters, alive = (names.of_swarm(name, prefix) for name in (names.HOSTS, names.ALIVE))
-        self._rosters = HostRosters(
-            node, rosters, lambda roster: is_own("", roster.swarm), self._is_host
-        )
+        self._rosters = HostRosters(node, rosters, lambda roster: is_own("", roster.swarm))
+        self._rosters.changed.append(self._is_host)
         node.create_subscription(Alive, alive, self._take_sign, qos.SIGNS_OF_LIFE)
 
     def _is_host(self, roster: HostRoster) -> None:

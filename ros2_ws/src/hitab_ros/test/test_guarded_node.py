@@ -12,7 +12,9 @@ from typing import Any
 
 import pytest
 from hitab_msgs import msg, srv
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.context import Context
+from rclpy.exceptions import InvalidParameterValueException, ParameterAlreadyDeclaredException
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -55,16 +57,32 @@ class Pair:
         return future.result()
 
 
-def test_whole_numbers_are_taken_for_the_floats_of_a_node_and_other_types_refused():
-    given = {"rate": 20, "limits": [1, 2], "count": 3, "mode": "fast"}
+@pytest.mark.parametrize("events", [True, False])
+def test_whole_numbers_are_taken_for_the_floats_of_a_node_and_other_types_refused(events):
+    given = {"rate": 20, "limits": [1, 2], "count": 3, "mode": "fast", "seed": -1}
     with context_of_its_own() as context:
         overrides = [Parameter(name, value=value) for name, value in given.items()]
-        node = GuardedNode("node", context=context, parameter_overrides=overrides)
+        node = GuardedNode(
+            "node",
+            context=context,
+            parameter_overrides=overrides,
+            publish_parameter_events=events,
+        )
         assert node.declare_parameter("rate", 5.0).value == 20.0
         assert list(node.declare_parameter("limits", [0.5, 0.5]).value) == [1.0, 2.0]
         assert type(node.declare_parameter("count", 1).value) is int
         with pytest.raises(HitabError, match='"mode" is the text "fast"; it must be such as 1'):
             node.declare_parameter("mode", 1.5)
+        whole = ParameterDescriptor(integer_range=[IntegerRange(from_value=0, to_value=9)])
+        with pytest.raises(InvalidParameterValueException, match=r"seed out of range.* value: -1"):
+            node.declare_parameter("seed", 0, whole)
+        names = Parameter.Type.STRING_ARRAY
+        assert node.declare_parameter("names", names, ParameterDescriptor()).value is None
+        assert node.has_parameter("count")
+        assert node.get_parameter("count").value == 3
+        assert not node.has_parameter("seed")
+        with pytest.raises(ParameterAlreadyDeclaredException):
+            node.declare_parameter("count", 1)
         node.destroy_node()
 
 

@@ -110,13 +110,14 @@ class Studio(StudioState):
                 messages.append(self.present.roster)
             if moves and scene.said:
                 messages.append(said_message(scene))
-        orders = [json.dumps(order) for order in self._new_orders(known.groups)]
-        self._broadcast([*messages, *orders])
+        if known.groups is not before.groups:
+            messages += map(json.dumps, self._new_orders(known.groups))
+        self._broadcast(messages)
 
     def _forget_former(self, known: SwarmState) -> None:
         """Forget the former swarm once another one is up; a restarted one is the same swarm."""
         target = known.target
-        if target is None or target.problem or not (known.agents or known.scene):
+        if target is None or target.problem or not (known.members or known.scene):
             return
         for page in self.pages.values():
             page.messages.withdraw(_dialog_closed(target))

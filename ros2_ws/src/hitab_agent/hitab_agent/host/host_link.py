@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from types import SimpleNamespace
-from typing import Any, TypeVar
 
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_agent.host.roster_topic import RosterTopic
-from hitab_agent.links.order_subscriptions import OrderSubscriptions
-from hitab_agent.links.report_outbox import ReportOutbox
+from hitab_agent.links.exchange import Exchange
 from hitab_agent.links.round_gate import RoundGate
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.node.guarded_tick import NO_ACTION
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.messages.checks import too_far_ahead
+from hitab_ros.messages.stamps import seconds_of
 
 LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was delayed answers only the latest percepts."""
 
-T = TypeVar("T")
+Failures = dict[AgentBase, Exception]
 
 CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """Fields that all percepts of a cycle share."""
@@ -31,7 +30,8 @@ CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockst
 class HostLink:
     """Answers the percepts of all agents of a host.
 
-    All perceive first, then all act. In between, in lockstep, their commanders give orders.
+    In lockstep, all perceive, their commanders give orders, and all act. In real time, each agent
+    acts as soon as it has perceived, while its data are still in the processor's cache.
     """
 
     def __init__(
@@ -39,8 +39,7 @@ class HostLink:
         host: GuardedNode,
         name: str,
         world: str,
-        outbox: ReportOutbox,
-        orders: OrderSubscriptions,
+        exchange: Exchange,
         nodes: Sequence[AgentBase],
         roster: RosterTopic,
     ) -> None:
@@ -50,20 +49,20 @@ class HostLink:
             host: a node of the process, in the swarm's namespace or in one of its own below it.
             name: the host's name, unique in the swarm.
             world: name of the world.
-            outbox: the process's outbox, which is held while all act.
-            orders: the process's subscriptions to orders.
+            exchange: the process's exchange, which is held while all act.
             nodes: the nodes of all agents of the host, in the order of its roster.
             roster: the roster, to which the percepts refer.
         """
         self._host = host
         self._name = name
-        self._outbox = outbox
-        self._gate = RoundGate(orders)
+        self._exchange = exchange
+        self._gate = RoundGate(exchange)
         self._nodes = nodes
         self._roster = roster
         # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
         self._percept = SimpleNamespace()
         self._episode: tuple[int, int] | None = None
+        self._failing: set[str] = set()  # the parts of a batch in which some agent failed last
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
         )
@@ -98,39 +97,58 @@ class HostLink:
         episode = (batch.seed, batch.episode)
         percept.restart |= self._episode is not None and episode != self._episode
         self._episode = episode
-        acting = [self._nodes[index] for index in batch.agents]
-        heard_counts = batch.heard_counts or (0,) * len(acting)
-        values, all_heard, end, heard_end = batch.values, batch.heard, 0, 0
-        with self._outbox.at_once() if batch.lockstep else self._outbox.held():
-            for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
-                begin, end = end, end + count
-                heard, heard_end = heard_end, heard_end + n_heard
-                percept.values = values[begin:end]
-                percept.heard = all_heard[heard:heard_end]
-                _guarded(node, "perceiving", node.take_in, percept)
+        perceiving: Iterable[AgentBase] = self._perceive(batch)
         commanders: set[str] = set()
         if batch.lockstep:
-            commanders.update(*(node.awaited_orders() for node in acting))
+            with self._exchange.at_once():
+                perceiving = list(perceiving)
+            commanders.update(*(node.awaited_orders() for node in perceiving))
         self._gate.begin(
             batch.sequence,
             commanders,
-            lambda: self._answer(batch, acting),
+            lambda: self._answer(batch, perceiving),
             look=batch.look,
         )
 
-    def _answer(self, batch: msg.PerceptBatch, acting: Sequence[AgentBase]) -> None:
-        """Make all agents that took in a percept of the batch act, and send the answer."""
-        answers, percept = self._answers, self._percept
-        with self._outbox.held():
+    def _perceive(self, batch: msg.PerceptBatch) -> Iterator[AgentBase]:
+        """Make all agents of a batch take in their percepts; yield each after its own."""
+        percept, seconds = self._percept, seconds_of(batch.stamp)
+        acting = [self._nodes[index] for index in batch.agents]
+        heard_counts = batch.heard_counts or (0,) * len(acting)
+        values, all_heard, end, heard_end = batch.values, batch.heard, 0, 0
+        failures: Failures = {}
+        for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
+            begin, end = end, end + count
+            heard, heard_end = heard_end, heard_end + n_heard
+            percept.values = values[begin:end]
+            percept.heard = all_heard[heard:heard_end]
+            try:
+                node.take_in(percept, seconds)
+            except Exception as error:
+                failures[node] = error
+            yield node
+        self._report("perceiving", acting, failures)
+
+    def _answer(self, batch: msg.PerceptBatch, perceiving: Iterable[AgentBase]) -> None:
+        """Make each agent act once it has perceived, and send the answer."""
+        answers, percept, acting = self._answers, self._percept, []
+        failures: Failures = {}
+        with self._exchange.held():
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
-            for index, node in zip(batch.agents, acting, strict=True):
-                action, say = _guarded(node, "acting", node.answer, percept) or NO_ACTION
+            for index, node in zip(batch.agents, perceiving, strict=True):
+                acting.append(node)
+                try:
+                    action, say = node.answer(percept)
+                except Exception as error:
+                    failures[node] = error
+                    action, say = NO_ACTION
                 done.extend(action)
                 counts.append(len(action))
                 if say:
                     speakers.append(index)
                     said.append(say)
+            self._report("acting", acting, failures)
         answers.roster, answers.sequence = batch.roster, batch.sequence
         answers.agents = batch.agents
         answers.value_counts = counts
@@ -139,20 +157,21 @@ class HostLink:
         answers.said = said
         self._actions.publish(answers)
 
+    def _report(self, key: str, acting: Sequence[AgentBase], failures: Failures) -> None:
+        """Show the fault of each failing agent until it succeeds, as its guard would.
 
-def _guarded(node: AgentBase, key: str, call: Callable[[Any], T], percept: Any) -> T | None:
-    """Do one agent's part of a batch as its guard would, which costs more than most of the parts.
-
-    A failing agent does not affect the others.
-    """
-    try:
-        result = call(percept)
-    except Exception as error:
-        node.guard.failed(key, error)
-        return None
-    if node.guard.faults.by_key:
-        node.guard.faults.clear(key)
-    return result
+        A guard around each agent's part would cost more than most of the parts.
+        """
+        if not failures and key not in self._failing:
+            return
+        self._failing.discard(key)
+        for node in acting:
+            if node in failures:
+                node.guard.failed(key, failures[node])
+            else:
+                node.guard.faults.clear(key)
+        if any(key in node.guard.faults.by_key for node in self._nodes):
+            self._failing.add(key)
 
 
 def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:

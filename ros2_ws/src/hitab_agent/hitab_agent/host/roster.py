@@ -11,9 +11,12 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
+from hitab_agent.host_resources import HostResources
 from hitab_agent.node.agent_node import AgentNode
 from hitab_core import HitabError
+from hitab_ros import NO_TYPE_DESCRIPTIONS
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,26 @@ class Entry:
     node: type[AgentNode]
     parameters: Mapping[str, Any]
     remap: Mapping[str, str] = field(default_factory=dict)
+
+    def create(self, namespace: str, swarm: str, shared: HostResources) -> AgentNode:
+        """Return the agent's node, which has not joined.
+
+        Args:
+            namespace: the swarm's namespace.
+            swarm: identity of the swarm, unless the roster gives the agent another one.
+            shared: the host's resources.
+        """
+        parameters = {"swarm": swarm, **self.parameters}
+        return self.node(
+            namespace=f"{namespace}/{self.name}",
+            parameter_overrides=[
+                NO_TYPE_DESCRIPTIONS,
+                *(Parameter(name, value=value) for name, value in parameters.items()),
+            ],
+            use_global_arguments=False,
+            cli_args=_renaming(self.remap),
+            shared=shared,
+        )
 
 
 def read_roster(host: Node) -> list[Entry]:
@@ -68,3 +91,9 @@ def _node_class(name: str) -> type[AgentNode]:
     if not (isinstance(found, type) and issubclass(found, AgentNode)):
         raise TypeError(f'"{name}" is not a subclass of AgentNode')
     return found
+
+
+def _renaming(remap: Mapping[str, str]) -> list[str]:
+    """Return the command-line arguments for a node's remappings."""
+    rules = [part for name, other in remap.items() for part in ("-r", f"{name}:={other}")]
+    return ["--ros-args", *rules] if rules else []

@@ -19,25 +19,28 @@ class RosterTopic:
 
     Attributes:
         number: number of the last published roster; 0 before the first.
-        others: the rosters of all hosts.
     """
 
-    def __init__(self, host: GuardedNode, nodes: Sequence[AgentBase], swarm: str) -> None:
+    def __init__(
+        self, host: GuardedNode, nodes: Sequence[AgentBase], swarm: str, rosters: HostRosters
+    ) -> None:
         """Create the publisher.
 
         Args:
             host: a node of the host, in its own namespace.
             nodes: the nodes of all its agents.
             swarm: identity of the agents' swarm; empty if none.
+            rosters: the rosters of all hosts.
         """
         self.number = 0
         self._name = names.own_name(host)
         self._nodes = nodes
         self._swarm = swarm
         self._host = host
-        topic = names.in_swarm(host, names.HOSTS)
-        self.others = HostRosters(host, topic, changed=self._hear)
-        self._publisher = host.create_publisher(msg.HostRoster, topic, qos.LATCHED)
+        self._publisher = host.create_publisher(
+            msg.HostRoster, names.in_swarm(host, names.HOSTS), qos.LATCHED
+        )
+        rosters.changed.append(self._hear)
 
     def publish(self, after: int = 0) -> None:
         """Publish the roster with a higher number than any before, and than another one."""

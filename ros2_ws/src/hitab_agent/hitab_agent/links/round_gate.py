@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
-from hitab_agent.links.order_subscriptions import OrderSubscriptions
+from hitab_agent.links.exchange import Exchange
 from hitab_core.orders import Order
 
 Act = Callable[[], None]
@@ -20,8 +20,8 @@ class RoundGate:
     restarts. No clock is involved: a round is over when the next begins.
     """
 
-    def __init__(self, orders: OrderSubscriptions) -> None:
-        self._orders = orders
+    def __init__(self, exchange: Exchange) -> None:
+        self._exchange = exchange
         self._round = 0
         self._act: Act | None = None
         self._awaited: set[str] = set()
@@ -36,7 +36,7 @@ class RoundGate:
 
         Args:
             number: the round's number.
-            commanders: the topics of the orders to wait for.
+            commanders: the commanders whose orders to wait for.
             act: called when these orders have come; at once if there are none.
             look: whether the round is look-only.
         """
@@ -48,10 +48,11 @@ class RoundGate:
         if look or self._last_was_look:
             self._restarted.clear()
         self._last_was_look = look
+        self._act = None
         for commander in commanders:
             if commander not in self._last_round:
                 self._last_round[commander] = 0
-                self._orders.follow(commander, self._hear)
+                self._exchange.follow(commander, self._hear)
         self._awaited = {
             commander
             for commander in commanders

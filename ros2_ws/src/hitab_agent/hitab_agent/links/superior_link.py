@@ -6,7 +6,7 @@ from hitab_msgs import msg
 
 from hitab_agent.node.agent_base import AgentBase
 from hitab_core.orders import Order, Report, Subordinate
-from hitab_ros import names
+from hitab_ros.timing import HEARTBEAT_S
 
 
 class SuperiorLink:
@@ -14,7 +14,7 @@ class SuperiorLink:
 
     Attributes:
         subordinate: the agent as it obeys and reports.
-        orders: the topic of the commander's orders.
+        commander: name of the commander.
     """
 
     def __init__(self, node: AgentBase, subordinate: Subordinate) -> None:
@@ -27,15 +27,16 @@ class SuperiorLink:
         self.subordinate = subordinate
         self.commander = node.settings.commander
         self._ordered = node.ordered
-        self._outbox = node.shared.outbox
-        self._topic = names.in_swarm(node, self.commander, names.REPORTS)
-        self.orders = names.in_swarm(node, self.commander, names.ORDER)
+        self._exchange = node.shared.exchange
+        self._signs = node.shared.signs
         self._seconds = 0.0
-        self._outbox.open(self._topic)
-        node.shared.orders.listen(node, self.orders, self._on_order)
+        self._exchange.obey(node, self.commander, self._on_order)
+        if node.has_robot:
+            self._signs.tell_of(subordinate)
+        node.shared.scheduler.every(HEARTBEAT_S, self._heartbeat, node.guard)
 
     def _on_order(self, order: Order) -> None:
-        with self._outbox.held():
+        with self._exchange.held():
             subordinate = self.subordinate
             if subordinate.take(order):
                 self._ordered()
@@ -63,7 +64,9 @@ class SuperiorLink:
             changed: whether its activity may have changed since the previous percept.
         """
         subordinate = self.subordinate
-        changed |= subordinate.rounds_end() | self._keep_time(percept, seconds)
+        changed |= self._keep_time(percept, seconds)
+        if subordinate.round:
+            changed |= subordinate.rounds_end()
         if subordinate.refusal and subordinate.settle():
             self._ordered()  # the order may have been refused only for lack of a percept
             changed = True
@@ -86,20 +89,21 @@ class SuperiorLink:
     def _keep_time(self, percept: msg.Percept, seconds: float) -> bool:
         """Adopt a percept's time; return whether an episode has begun."""
         subordinate = self.subordinate
-        episode = (percept.episode, percept.seed)
-        changed = (subordinate.episode, subordinate.seed) != episode
-        subordinate.episode, subordinate.seed = episode
         subordinate.seconds = self._seconds = seconds
-        return changed
+        if subordinate.episode == percept.episode and subordinate.seed == percept.seed:
+            return False
+        subordinate.episode, subordinate.seed = percept.episode, percept.seed
+        return True
 
     def tell(self) -> None:
         """Report changes, if there are any."""
         self._send(self.subordinate.news(self._seconds))
 
-    def heartbeat(self) -> None:
-        """Report percepts that changed nothing, if no report was sent for a while."""
-        self._send(self.subordinate.heartbeat())
+    def _heartbeat(self) -> None:
+        """Report percepts that changed nothing, unless the process's signs of life tell them."""
+        if not self._signs.tells:
+            self._send(self.subordinate.heartbeat())
 
     def _send(self, report: Report | None) -> None:
         if report is not None:
-            self._outbox.send(self._topic, report)
+            self._exchange.send(self.commander, report)

@@ -7,6 +7,8 @@ from hitab_msgs import msg
 from hitab_agent.links.round_gate import RoundGate
 from hitab_agent.node.agent_base import AgentBase
 from hitab_ros import names, qos
+from hitab_ros.messages.cycle_codec import action_bytes, read_percept
+from hitab_ros.messages.stamps import seconds_of
 
 
 class WorldLink:
@@ -24,25 +26,24 @@ class WorldLink:
             world: name of the world.
         """
         self._node = node
-        self._gate = RoundGate(node.shared.orders)
-        # One message is reused for all answers: publishing copies it.
-        self._action = msg.Action(agent=node.agent_name)
+        self._gate = RoundGate(node.shared.exchange)
         # Discovery announces the two in this order, and the world looks for those that answer.
-        node.create_subscription(msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE)
+        node.create_subscription(
+            msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE, read=read_percept
+        )
         self._actions = node.create_publisher(
             msg.Action, names.in_swarm(node, world, names.ACTIONS), qos.CYCLE
         )
 
     def _on_percept(self, percept: msg.Percept) -> None:
-        self._node.take_in(percept)
+        self._node.take_in(percept, seconds_of(percept.stamp))
         awaited = self._node.awaited_orders() if percept.lockstep else ()
         self._gate.begin(percept.sequence, awaited, lambda: self._act(percept), look=percept.look)
 
     def _act(self, percept: msg.Percept) -> None:
-        action = self._action
-        action.values, action.say = self._node.answer(percept)
-        action.sequence = percept.sequence
-        self._actions.publish(action)
+        values, say = self._node.answer(percept)
+        name = self._node.agent_name
+        self._actions.publish(action_bytes(name, percept.sequence, values, say))
 
     def close(self) -> None:
         """Do nothing: the world notices that an agent is gone."""

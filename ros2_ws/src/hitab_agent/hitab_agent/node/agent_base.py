@@ -30,6 +30,8 @@ class AgentBase(GuardedNode):
         training: publishes what it is being trained, a `TrainingTopic`.
         endpoints: its other topics and its services, an `AgentEndpoints`.
         stop: the stop of the agent's robot; None if it has none.
+        has_robot: whether it perceives and acts, in a world or by the link of its domain; a
+            commander does not.
     """
 
     agent: Agent
@@ -42,16 +44,22 @@ class AgentBase(GuardedNode):
     training: Any
     endpoints: Any
     stop: RobotStop | None = None
+    has_robot = True
 
-    def take_in(self, percept: msg.Percept) -> None:
-        """Take in a percept. The object may be reused, so copy the values that are kept."""
+    def take_in(self, percept: msg.Percept, seconds: float) -> None:
+        """Take in a percept.
+
+        Args:
+            percept: the percept. It may be reused, so copy the values that are kept.
+            seconds: the agent's time, s: that of the world, the robot or the subordinates.
+        """
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
         raise NotImplementedError
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that a lockstep round waits for."""
+        """Return the commanders whose orders a lockstep round waits for."""
         raise NotImplementedError
 
     def ordered(self) -> None:

@@ -44,17 +44,10 @@ from hitab_core.training.operation import Operation, Outcome
 from hitab_ros import names
 from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.nodes.diagnostics import Diagnosis
-from hitab_ros.timing import HEARTBEAT_S
 
 
 class AgentNode(AgentBase):
-    """One agent of the swarm, in the namespace of its name.
-
-    Attributes:
-        has_robot: whether the link of its domain, if it has one, drives a robot.
-    """
-
-    has_robot = True
+    """One agent of the swarm, in the namespace of its name."""
 
     def __init__(
         self,
@@ -169,7 +162,6 @@ class AgentNode(AgentBase):
             subordinate = Subordinate(self.agent, settings.role)
             self.superior = self.status.superior = SuperiorLink(self, subordinate)
             self.stop_changed()
-            self.scheduler.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if settings.when_out_of_reach == "halt":
             self._reach = ReachWatch(self)
         training, performed = self.agent.session, self.memory.performed
@@ -236,23 +228,24 @@ class AgentNode(AgentBase):
     # -- percepts and commands ----------------------------------------------------------------
 
     def _on_percept(self, percept: msg.Percept) -> Action:
-        self.take_in(percept)
+        self.take_in(percept, seconds_of(percept.stamp))
         return self.answer(percept)
 
-    def take_in(self, percept: msg.Percept) -> None:
+    def take_in(self, percept: msg.Percept, seconds: float) -> None:
         """Take in a percept."""
         log, agent = self.transition_log, self.agent
-        self.percept_log.tell(percept)
+        if self.percept_log.is_on:
+            self.percept_log.tell(percept)
         log.cycle = percept.cycle
         log.stamp = percept.stamp
         self._sensed = False
-        self._seconds = self.seconds_of(percept)
+        self._seconds = seconds
         try:
             agent.sense(
                 percept.values,
                 percept.heard,
                 percept.cycle,
-                self._seconds,
+                seconds,
                 # A paused world that shows its cycle again was changed.
                 jumped=percept.look and percept.cycle == agent.cycle,
             )
@@ -263,29 +256,29 @@ class AgentNode(AgentBase):
         except Exception as error:
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
-            self.superior.round_begins(percept, self._seconds)
+            self.superior.round_begins(percept, seconds)
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
-        action = NO_ACTION
+        action, agent, status = NO_ACTION, self.agent, self.status.message
         unreached = "" if self._reach is None else self._reach.why
         if self._sensed and not percept.look and not unreached:
             action = self._tick.act()
-        elif self._sensed and (percept.restart or self.agent.active_path != self.status.path):
+        elif self._sensed and (percept.restart or agent.active_path != self.status.path):
             self.status.publish()
         if self.stop is not None:
             self.stop.cause(self._tick.fault or unreached)
             if self.stop.why:
                 action = NO_ACTION
-        if self._sensed and not self.status.message.perceived:
+        if self._sensed and not status.perceived:
             self.status.publish_soon()
-        if self.agent.monitor.unsure != self.status.message.caution.unsure:
+        if agent.monitor.unsure != status.caution.unsure:
             self.status.publish_soon()
             self.shared.diagnostics.soon()
         log = self.transition_log
         changed = self._unsettled or log.changed
         if changed:
-            path = self.agent.active_path
+            path = agent.active_path
             # The agent leaves a flag state without a transition.
             self._unsettled = bool(path) and path[-1] in RESERVED_NAMES
             log.changed = False
@@ -296,10 +289,6 @@ class AgentNode(AgentBase):
         if self.superior is not None and not percept.lockstep:
             self.superior.perceived(percept, self._seconds, changed=changed or percept.restart)
         return action
-
-    def seconds_of(self, percept: msg.Percept) -> float:
-        """Return the agent's time, s, used in reports: the time of the world or the robot."""
-        return seconds_of(percept.stamp)
 
     # -- stop of its robot --------------------------------------------------------------------
 
@@ -323,8 +312,8 @@ class AgentNode(AgentBase):
     # -- orders of a commander ----------------------------------------------------------------
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that a lockstep round waits for."""
-        return () if self.superior is None else (self.superior.orders,)
+        """Return the commanders whose orders a lockstep round waits for."""
+        return () if self.superior is None else (self.superior.commander,)
 
     def ordered(self) -> None:
         """Publish the outcome of an order: obeyed, or waiting with the reason."""

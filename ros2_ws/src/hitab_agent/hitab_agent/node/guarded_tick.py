@@ -44,11 +44,16 @@ class GuardedTick:
         self.fault = ""
         self._failed_in = ("", "")
         self._agent = agent
+        self._features = agent.context.feature_cache
         self._guard = guard
+        self._faults = guard.faults
 
     def perceived(self) -> None:
         """Report features that cannot be read, whether decisions need them or not."""
-        if (why := failing(self._agent)) or self._guard.faults.by_key:
+        # The first percept has shown for most agents that all can be read.
+        if self._features.failed == {} and not self._faults.by_key:
+            return
+        if (why := failing(self._agent)) or self._faults.by_key:
             self._show(FEATURES_FAULT, why)
 
     def act(self) -> Action:
@@ -61,10 +66,10 @@ class GuardedTick:
             self.fail(error)
             return NO_ACTION
         self.fault = ""
-        lacking = agent.context.feature_cache.lacking()
-        if lacking:
-            self._failed_in = self._doing
-        if lacking or self._guard.faults.by_key:
+        if self._features.missed or self._faults.by_key:
+            lacking = self._features.lacking()
+            if lacking:
+                self._failed_in = self._doing
             self._show(TICK, "")
             why = f"{agent.name} decides without needed values: {'; '.join(lacking)}"
             self._show(VALUES, why if lacking else "")
@@ -85,7 +90,7 @@ class GuardedTick:
             self.fault = ""
             self._show(TICK, "")
             if self._guard.faults.text(VALUES):
-                self._agent.context.feature_cache.missed.clear()
+                self._features.missed.clear()
                 self._show(VALUES, "")
 
     @property

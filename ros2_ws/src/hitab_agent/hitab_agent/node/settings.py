@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -54,12 +55,14 @@ class AgentParameters:
 
 
 def _declared(node: Node, setting: Any) -> Any:
-    default, is_list = setting.default, isinstance(setting.default, tuple)
+    return node.declare_parameter(setting.name, setting.default, _descriptor(setting)).value
+
+
+@cache  # as the nodes of a process are many, and their descriptors equal
+def _descriptor(setting: Any) -> ParameterDescriptor:
     descriptor = ParameterDescriptor(read_only=True, **setting.metadata)
-    if isinstance(default, float):
+    if isinstance(setting.default, float):
         descriptor.floating_point_range = [_SECONDS]
-    elif type(default) is int:
+    elif type(setting.default) is int:
         descriptor.integer_range = [_WHOLE]
-    # rclpy cannot infer the element type of an empty list.
-    value = node.declare_parameter(setting.name, [""] if is_list else default, descriptor).value
-    return tuple(filter(None, value)) if is_list else value
+    return descriptor

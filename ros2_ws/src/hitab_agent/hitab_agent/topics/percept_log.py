@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from hitab_msgs import msg
 
 from hitab_agent.endpoints import PublishedTopic
@@ -18,36 +20,42 @@ class PerceptLog:
 
     Attributes:
         topic: the topic, which is created only for a subscriber.
+        is_on: whether it has to be told of percepts.
     """
 
     def __init__(self, node: AgentBase) -> None:
         """Prepare to publish."""
         self._node = node
+        # A host reuses one object for the percepts of all agents, so it cannot be kept.
+        self.is_on = self._keeps = node.shared.host is None
         self._receivers: Receivers | None = None
-        self._last: msg.Percept | None = None
+        self._last: Any = None
         self.topic = PublishedTopic(
             node, msg.Percept, names.PERCEIVED, qos.PERCEIVED, self._opened, self._closed
         )
 
     def tell(self, percept: msg.Percept) -> None:
         """Publish a percept that the agent is about to take in."""
-        if self._node.shared.host is not None:
-            if self._receivers is None:
-                return
-            percept = msg.Percept(**vars(percept))  # the host reuses its object
-        self._last = percept
+        if self._keeps:
+            self._last = percept
         if self._receivers is not None and self._receivers.count:
-            self.topic.publish(percept)
+            self._publish(percept)
 
     def _opened(self) -> None:
+        self.is_on = True
         self._receivers = Receivers(self._node, self.topic.end)
         self._stop = self._node.shared.scheduler.every(POLL_S, self._look, self._node.guard)
 
     def _closed(self) -> None:
-        self._receivers = None
+        self.is_on, self._receivers = self._keeps, None
         self._stop()
 
     def _look(self) -> None:
         receivers, last = self._receivers, self._last
         if receivers is not None and receivers.look() and receivers.count and last is not None:
-            self.topic.publish(last)
+            self._publish(last)
+
+    def _publish(self, percept: Any) -> None:
+        """Publish a percept, which may be an object with the fields of the message."""
+        fields = msg.Percept.get_fields_and_field_types()
+        self.topic.publish(msg.Percept(**{field: getattr(percept, field) for field in fields}))

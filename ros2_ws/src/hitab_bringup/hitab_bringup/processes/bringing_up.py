@@ -32,6 +32,7 @@ from hitab_client import (
     domain_ids,
 )
 from hitab_client.runs.run_folder import registry_held, running_swarms
+from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.runs.swarm_choice import way_to_stop
 from hitab_client.terminal.cli_remedies import called, with_commands
 from hitab_core import Fix, each_once, some
@@ -234,10 +235,13 @@ def _answering(
     """Wait until all nodes have reported and the world hears all agents; yield a connection."""
     prefix, identity = record.namespace, record.identity
     with RosLink(record.domain_id) as link:
-        agents = SwarmClient(link, record.agents, prefix=prefix, identity=identity)
-        agents.watch_all()
+        agents = SwarmClient(
+            link, record.agents, prefix=prefix, identity=identity, processes=RunProcesses(record)
+        )
+        if agents.is_large:
+            agents.watch_all()
         world = WorldClient(link, prefix=prefix, identity=identity, started_by_it=record.world)
-        view = CommanderView(link, prefix, identity)
+        view = CommanderView(agents)
         view.watch(record.commanders)
         # Otherwise a commander starts with its known members, and the others join later.
         groups = view.incomplete if _is_exact(swarm) else {}
@@ -349,12 +353,8 @@ def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: Sequenc
 
 def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
     """Wait for robots to receive sensor data, or to detect missing sensors."""
-
-    def has_faults() -> bool:
-        return any(status.faults for status in agents.statuses.values())
-
-    if link.spin_until(has_faults, SETTLE_S):
-        link.spin_until(lambda: not has_faults(), PROMPT_S)
+    if link.spin_until(lambda: bool(agents.faulty), SETTLE_S):
+        link.spin_until(lambda: not agents.faulty, PROMPT_S)
 
 
 def _await_commanders(running: RunningSwarm, progress: Progress | None) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import http.client
 import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 from xml.parsers.expat import ExpatError
@@ -104,9 +104,9 @@ class RunProcesses:
 
     def __init__(self, record: RunRecord | None = None) -> None:
         self._record = record
-        processes = record.processes if record is not None else {}
+        self._members = record.processes if record is not None else {}
         self._process_of = {
-            name: process for process, names in processes.items() for name in names
+            name: process for process, names in self._members.items() for name in names
         }
         self._states: Mapping[str, Mapping[str, Any]] = {}
         self._silences: dict[str, Silence | None] = {}
@@ -143,6 +143,16 @@ class RunProcesses:
         """Whether waiting for an agent or the world is useless."""
         why = self.why_silent(name)
         return why is not None and why.lasts
+
+    def lost(self) -> Iterator[str]:
+        """Yield the agents for which waiting is useless."""
+        for process, members in self._members.items():
+            if self.is_lost(process):
+                yield from members
+
+    def is_hosted(self, name: str) -> bool:
+        """Whether an agent or commander runs in a process with others."""
+        return len(self._members.get(self.process_of(name), ())) > 1
 
     def pid(self, name: str) -> int:
         """Return the process id of an agent or the world; 0 if unknown."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
-from hitab_msgs.msg import AgentStatus
+from hitab_msgs.msg import AgentStatus, CommanderStatus, HostStatuses
 
 from hitab_client.connecting.identity import is_own
 from hitab_client.connecting.ros_link import RosLink
@@ -16,10 +16,11 @@ from hitab_client.showing.swarm_listener import SwarmListener
 from hitab_core import Fix, has, some
 from hitab_ros import SignsOfLife, check_same_message_version, names, qos
 from hitab_ros.call import blocking
+from hitab_ros.messages.checks import ROS_NAME
 from hitab_ros.timing import DISCOVERY_EACH_S, DISCOVERY_S, LOOK_EACH_S, POLL_S, SETTLE_S
 
 WATCHED_MAX = 100
-"""Maximum number of agents that are all watched; in a larger swarm, only the requested ones."""
+"""Maximum number of agents that are watched one by one, from the start; others on request."""
 
 
 def is_older(status: AgentStatus, known: AgentStatus) -> bool:
@@ -41,6 +42,8 @@ class AgentPresence(SwarmListener):
         expected: names of the expected agents.
         statuses: the last status of each agent of the swarm, by name.
         unheard: the expected agents that have not reported, in order.
+        faulty: the agents with faults.
+        news: the agents that have reported since an observer cleared it.
     """
 
     def __init__(
@@ -57,15 +60,53 @@ class AgentPresence(SwarmListener):
         self.unheard = self.expected.copy()
         self.processes = processes or RunProcesses()
         self.statuses: dict[str, AgentStatus] = {}
+        self.faulty: dict[str, None] = {}
+        self.news: set[str] = set()
         self._watched: set[str] = set()
+        self._hosted: set[str] = set()
+        self._groups: dict[str, CommanderStatus] = {}
+        self._group_takers: list[Callable[[CommanderStatus], None]] = []
+        self._hears_hosts = False
         self._begin_waiting()
-        if len(self.expected) <= WATCHED_MAX:
-            self.watch_all()
+        if not self.is_large:
+            for agent in self.expected:
+                self._watch(agent)
 
     def watch_all(self) -> None:
-        """Watch all expected agents, however many."""
+        """Watch all agents: those in hosts on one topic, the expected others on their own."""
+        self._hear_hosts()
         for agent in self.expected:
-            self._watch(agent)
+            if not self.is_hosted(agent):
+                self._watch(agent)
+
+    def hear_groups(self, take: Callable[[CommanderStatus], None]) -> None:
+        """Call a function with each report of a commander in a host from now on."""
+        self._hear_hosts()
+        self._group_takers.append(take)
+        for group in self._groups.values():
+            take(group)
+
+    def is_hosted(self, name: str) -> bool:
+        """Whether an agent or commander is known to run in a host with others."""
+        return name in self._hosted or self.processes.is_hosted(name)
+
+    def _hear_hosts(self) -> None:
+        if not self._hears_hosts:
+            self._hears_hosts = True
+            topic = names.of_swarm(names.STATUSES, self.prefix)
+            # Without the history, since each host sends everything to a new subscriber.
+            self.link.subscribe(HostStatuses, topic, self._take_batch, qos.ROLL_CALL)
+
+    def _take_batch(self, batch: HostStatuses) -> None:
+        for status in batch.agents:
+            if ROS_NAME.match(status.agent) is not None:
+                self._hosted.add(status.agent)
+                self._take_status(status.agent, status)
+        for group in batch.groups:
+            if ROS_NAME.match(group.commander) is not None:
+                self._groups[group.commander] = group
+                for take in self._group_takers:
+                    take(group)
 
     def _watch(self, agent: str) -> None:
         if agent not in self._watched:
@@ -85,8 +126,14 @@ class AgentPresence(SwarmListener):
             known = self.statuses.get(agent)
             if known is None or not is_older(status, known):
                 self.statuses[agent] = status
+                self.news.add(agent)
+                if status.faults:
+                    self.faulty[agent] = None
+                else:
+                    self.faulty.pop(agent, None)
         else:
             self.statuses.pop(agent, None)
+            self.faulty.pop(agent, None)
 
     def signs_of_life(self, *, has_world: bool = False) -> SignsOfLife:
         """Listen for signs of life of the swarm's processes from now on.
@@ -102,11 +149,19 @@ class AgentPresence(SwarmListener):
         )
 
     def discover(self) -> None:
-        """Look for new agents."""
+        """Look for new agents, in hosts and elsewhere."""
+        self._hear_hosts()
         for topic in self.link.topics_of_type(names.STATUS_TYPE):
             agent = names.agent_of_status(topic, self.prefix)
-            if agent is not None:
+            if agent is not None and not self.is_hosted(agent):
                 self._watch(agent)
+
+    def gone(self) -> list[str]:
+        """Return the agents that have left the graph, of those with topics of their own."""
+        publishers = self.link.node.count_publishers
+        alone = (a for a in self._watched if not (self.is_large and self.is_hosted(a)))
+        topics = {a: names.of_agent(a, names.STATUS, self.prefix) for a in alone}
+        return [a for a, topic in topics.items() if a in self.statuses and not publishers(topic)]
 
     def agents(self) -> list[str]:
         """Return the names of the agents that have reported so far."""
@@ -129,23 +184,28 @@ class AgentPresence(SwarmListener):
         Raises:
             SwarmError: if one of them belongs to another swarm.
         """
-        wanted = set(agents or self.expected)
-        for agent in wanted:
-            self._watch(agent)
-        few = bool(agents) and self._is_large
+        wanted = {*agents} or self.expected.keys()
+        few = 0 < len(agents) <= WATCHED_MAX
+        if few:
+            for agent in wanted:
+                self._watch(agent)
+        else:
+            self.watch_all()
         self._begin_waiting()
         lost: set[str] = set()
+        waiting = sorted(wanted, reverse=True)
 
         def complete() -> bool:
             if self._is_due():
                 lost.clear()
-                lost.update(filter(self.processes.is_lost, wanted))
-                if not few:
+                lost.update(self.processes.lost())
+                if not (few and self.is_large):
                     self.discover()
             if wanted:
-                if self.strangers:
-                    self.refuse_strangers(wanted)
-                return wanted <= self.statuses.keys() | lost
+                self.refuse_strangers(wanted)
+                while waiting and (waiting[-1] in self.statuses or waiting[-1] in lost):
+                    waiting.pop()
+                return not waiting
             return bool(self.statuses) and self._is_settled
 
         await self.link.until(
@@ -182,13 +242,13 @@ class AgentPresence(SwarmListener):
         self._begin_waiting()
 
         def decided() -> bool:
-            if self._is_due() and not self._is_large:
+            if self._is_due() and not self.is_large:
                 self.discover()
             if agent in self.statuses or agent in self.strangers:
                 return True
             if self.link.node.count_publishers(topic) or not self._is_settled:
                 return False
-            return self._is_large or (bool(self.statuses) and not self._awaited(self.expected))
+            return self.is_large or (bool(self.statuses) and not self._awaited(self.expected))
 
         await self.link.until(decided, seconds, waiting_for=lambda: agent)
         check_same_message_version(self.link.node)
@@ -199,7 +259,8 @@ class AgentPresence(SwarmListener):
         return DISCOVERY_EACH_S * len(self.expected)
 
     @property
-    def _is_large(self) -> bool:
+    def is_large(self) -> bool:
+        """Whether agents are watched only on request."""
         return len(self.expected) > WATCHED_MAX
 
     def _awaited(self, agents: Iterable[str]) -> set[str]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from hitab_msgs.msg import CommanderStatus, Subordinate
 
-from hitab_client.connecting.ros_link import RosLink
+from hitab_client.showing.agent_presence import WATCHED_MAX, AgentPresence
 from hitab_client.showing.swarm_listener import SwarmListener
 from hitab_core import some
 from hitab_ros import names, qos
 from hitab_ros.names import GROUP
-from hitab_ros.timing import POLL_S
+from hitab_ros.timing import POLL_S, UPDATE_S
 
 GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"
 
@@ -22,66 +23,85 @@ class CommanderView(SwarmListener):
     """Listens to all commanders of a swarm.
 
     Args:
-        link: the node to use.
-        prefix: namespace of the swarm.
-        identity: the swarm's identity; empty for any swarm.
+        agents: the agents of the swarm.
 
     Attributes:
         groups: each commander's latest report about its group, by name.
+        reports: number of reports so far.
         incomplete: the watched commanders that have not heard from all their subordinates yet.
     """
 
-    def __init__(self, link: RosLink, prefix: str = "", identity: str = "") -> None:
-        super().__init__(link, prefix, identity)
+    def __init__(self, agents: AgentPresence) -> None:
+        super().__init__(agents.link, agents.prefix, agents.identity)
+        self._agents = agents
         self.groups: dict[str, CommanderStatus] = {}
+        self.reports = 0
         self.incomplete: dict[str, None] = {}
         self._watched: set[str] = set()
+        self._unheard: dict[str, None] = {}
+        self._hears_hosts = False
 
     def discover(self) -> None:
-        """Look for new commanders."""
+        """Look for new commanders, in hosts and elsewhere."""
+        self._hear_hosts()
         ending = f"/{GROUP}"
         for topic in self.link.topics_of_type(GROUP_TYPE):
             if not topic.startswith(self.prefix + "/") or not topic.endswith(ending):
                 continue
             name = topic[len(self.prefix) + 1 : -len(ending)]
-            if "/" not in name:
+            if "/" not in name and not self._agents.is_hosted(name):
                 self.watch([name])
 
     def watch(self, commanders: Iterable[str]) -> None:
-        """Start listening to commanders."""
-        for commander in set(commanders) - self._watched:
-            self._watched.add(commander)
-            self.incomplete[commander] = None
+        """Start listening to commanders: to many in hosts on one topic, to others on their own."""
+        new = [name for name in dict.fromkeys(commanders) if name not in self._watched]
+        self._watched.update(new)
+        self._unheard.update(dict.fromkeys(name for name in new if name not in self.groups))
+        self.incomplete.update(dict.fromkeys(new))
+        if len(new) > WATCHED_MAX:
+            self._hear_hosts()
+            new = [name for name in new if not self._agents.is_hosted(name)]
+        for commander in new:
             topic = names.of_agent(commander, GROUP, self.prefix)
             self.link.subscribe(CommanderStatus, topic, self._take, qos.LATCHED)
 
+    def _hear_hosts(self) -> None:
+        if not self._hears_hosts:
+            self._hears_hosts = True
+            self._agents.hear_groups(self._take)
+
     def _take(self, group: CommanderStatus) -> None:
-        if self._is_own(group.commander, group.swarm):
-            self.groups[group.commander] = group
-            if any(member.silent for member in group.subordinates):
-                self.incomplete[group.commander] = None
-            else:
-                self.incomplete.pop(group.commander, None)
+        name = group.commander
+        self._unheard.pop(name, None)
+        if self._is_own(name, group.swarm):
+            self.groups[name] = group
+            self.reports += 1
+            if not any(member.silent for member in group.subordinates):
+                self.incomplete.pop(name, None)
+            elif name in self._watched:
+                self.incomplete[name] = None
 
     def await_groups(self, seconds: float, expected: Iterable[str] = ()) -> None:
         """Wait until all commanders, discovered or expected, have reported."""
-        wanted = set(expected)
+        wanted = list(expected)
         self.watch(wanted)
+        next_look = time.monotonic()
 
         def complete() -> bool:
-            if not wanted:
+            nonlocal next_look
+            if not wanted and time.monotonic() >= next_look:
                 self.discover()
-            known = wanted or self._watched
-            return bool(known) and known <= self.groups.keys() | self.strangers.keys()
+                next_look = time.monotonic() + UPDATE_S
+            return bool(self._watched or self.groups) and not self._unheard
 
         def missing() -> str:
-            return some(sorted(wanted - self.groups.keys())) or "commanders to appear"
+            return some(sorted(self._unheard)) or "commanders to appear"
 
         if not self.link.spin_until(complete, seconds, waiting_for=missing) or not wanted:
             # A commander discovered a little later belongs in the tree, too.
             self.link.spin_until(lambda: False, POLL_S)
             self.discover()
-            self.link.spin_until(lambda: self._watched <= self.groups.keys(), POLL_S)
+            self.link.spin_until(lambda: not self._unheard, POLL_S)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 
 from hitab_client.connecting.identity import is_own, other_swarm
 from hitab_client.connecting.ros_link import RosLink
@@ -45,12 +45,12 @@ class SwarmListener:
             self.strangers[name] = owner
         return own
 
-    def refuse_strangers(self, wanted: Iterable[str]) -> None:
+    def refuse_strangers(self, wanted: Collection[str]) -> None:
         """Check that none of these nodes is known to belong to another swarm.
 
         Raises:
             SwarmError: if one does; names both swarms.
         """
-        for name in wanted:
-            if name in self.strangers:
+        for name in self.strangers:
+            if name in wanted:
                 raise other_swarm(name, self.strangers[name], self.identity)

@@ -82,6 +82,7 @@ class CautionMonitor:
 
     Attributes:
         caution: limit of a sure decision, and the response.
+        judges: whether decisions have to be judged before they are made.
         unsure: why the next decision is unsure, for people; empty if it is sure, or if the agent
             goes on regardless.
         number_range: range shared with the agent's context.
@@ -89,6 +90,7 @@ class CautionMonitor:
 
     def __init__(self) -> None:
         self.caution = Caution()
+        self.judges = False
         self.number_range = NumberRange()
         self.unsure = ""
         self._halted: Running | None = None
@@ -99,6 +101,7 @@ class CautionMonitor:
         if caution.when_unsure is not WhenUnsure.HALT:
             self._release()
         self.caution, self.unsure = caution, ""
+        self.judges = caution.when_unsure is not WhenUnsure.GO_ON
 
     def watch(
         self,
@@ -107,7 +110,7 @@ class CautionMonitor:
         context: RunContext,
         trained: Sequence[Example] = (),
     ) -> bool:
-        """Tick if the next decisions are sure on all levels, or if none are judged.
+        """Tick if the next decisions are sure on all levels.
 
         Args:
             tick: makes the decisions.
@@ -118,9 +121,6 @@ class CautionMonitor:
         Returns:
             Whether the agent was sure; otherwise `unsure` is the reason.
         """
-        if self.caution.when_unsure is WhenUnsure.GO_ON:
-            tick()
-            return True
         self.unsure = self._doubts(running, context, trained)
         if not self.unsure:
             self._release()

@@ -123,6 +123,11 @@ class Subordinate:
         """Whether the commander has requested values or the position."""
         return self.order is not None and self.order.asks
 
+    @property
+    def perceived(self) -> tuple[int, int, int, float]:
+        """Cycle, episode, seed and time of the last percept."""
+        return self.agent.cycle, self.episode, self.seed, self.seconds
+
     # -- reporting --------------------------------------------------------------------------
 
     def news(self, seconds: float) -> Report | None:
@@ -186,7 +191,8 @@ class Subordinate:
         if agent.mode is not Mode.IDLE and not self.stopped:
             inside = self.order is not None and self.order.report_states
             path = (agent.behavior, *(agent.active_path if inside else ()))
-        flags = tuple(sorted(agent.raised))
+        raised = agent.raised
+        flags = tuple(sorted(raised)) if raised else ()
         doing = epoch, sequence, self.waits, agent.mode.value, self.stopped, path, flags
         return (*doing, self.episode, self.seed, self.round)
 

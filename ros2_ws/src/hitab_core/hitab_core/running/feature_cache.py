@@ -44,6 +44,7 @@ class FeatureCache:
     Attributes:
         values: values of the features, by slot.
         perceived: whether there was a percept yet.
+        failed: exceptions of the domain's code in reading features; None before the first look.
         missed: why a feature that a decision needed had no value, by feature; see `lacking`.
     """
 
@@ -51,7 +52,7 @@ class FeatureCache:
         self.values: Values = []
         self.perceived = False
         self.missed: dict[Term, str] = {}
-        self._failing: dict[Term, Exception] | None = None
+        self.failed: dict[Term, Exception] | None = None
         self._missing: dict[int, NoValueError] = {}
         self._blank: Values = []
         self._readers: list[Callable[[], float]] = []
@@ -147,8 +148,8 @@ class FeatureCache:
             raise
         except Exception as error:
             # The distance of a target from itself is of no use.
-            if self._failing is not None and len({*term.arguments}) == len(term.arguments):
-                self._failing[term] = error
+            if self.failed is not None and len({*term.arguments}) == len(term.arguments):
+                self.failed[term] = error
             raise
 
     def failing(self) -> Mapping[Term, Exception]:
@@ -156,13 +157,13 @@ class FeatureCache:
 
         The first percept reads each feature; later ones read the failed ones, used or not.
         """
-        if not self.perceived or (self._failing is not None and not self._failing):
+        if not self.perceived or (self.failed is not None and not self.failed):
             return {}
-        terms = _one_of_each(self._domain) if self._failing is None else self._failing
-        self._failing = {}
+        terms = _one_of_each(self._domain) if self.failed is None else self.failed
+        self.failed = {}
         for term in terms:
             value_or_nan(self.look, term)
-        return self._failing
+        return self.failed
 
     def forget(self) -> None:
         """Clear all values, for a new percept."""

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import ParamSpec, TypeVar
+from typing import NamedTuple, ParamSpec, TypeVar
 
 from hitab_core.term import Term
 from hitab_core.transition_function import Explanation, TransitionFunction
@@ -21,8 +20,7 @@ T = TypeVar("T")
 _LOG = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(NamedTuple):
     """A change of state as decided; creating one reads no features.
 
     Attributes:

@@ -160,10 +160,13 @@ class RunningAutomaton:
         """Stop the behavior of the active state and start the behavior of another one."""
         observe = self.context.observe
         if observe is not None:
-            vector, function = self.vector, self.function
-            decision = vector.features, vector.bindings, vector.known(), function
-            change = self.path, self.active, self._labels[index], commanded
-            observe(Change(*change) if commanded else Change(*change, *decision))
+            vector, source, to = self.vector, self._labels[self._active], self._labels[index]
+            if commanded:
+                observe(Change(self.path, source, to, True))
+            else:
+                decision = vector.features, vector.bindings, vector.known()
+                function = self._functions.get(source)
+                observe(Change(self.path, source, to, False, *decision, function))
         old = self._children[self._active]
         if old is not None:
             old.stop()

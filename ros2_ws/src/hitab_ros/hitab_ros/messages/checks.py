@@ -69,14 +69,18 @@ class BadMessage(HitabError):
     """An invalid message; the text names the field and the expected value."""
 
 
-def check(message: Any) -> None:
+def check(message: Any, kind: Any = None) -> None:
     """Check a message or request of the project's own types; any other passes.
+
+    Args:
+        message: the message, or an object with its fields.
+        kind: type of the message; by default the type of the object.
 
     Raises:
         BadMessage: if a field is invalid; names the first one.
     """
-    kind: Any = type(message)
-    for field, one in _checks(kind):
+    checked: Any = kind or type(message)
+    for field, one in _checks(checked):
         one(getattr(message, field))
 
 

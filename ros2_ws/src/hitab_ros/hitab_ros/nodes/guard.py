@@ -113,7 +113,13 @@ class Guard:
         return guarded_coroutine if inspect.iscoroutinefunction(callback) else guarded
 
     def wrap_topic(
-        self, key: str, kind: Any, callback: Callable[..., Any], *, checked: bool = True
+        self,
+        key: str,
+        kind: Any,
+        callback: Callable[..., Any],
+        *,
+        checked: bool = True,
+        read: Callable[[bytes], Any] | None = None,
     ) -> Callable[..., Any]:
         """Return the callback of a raw subscription, which never raises.
 
@@ -125,8 +131,11 @@ class Guard:
             kind: type of the messages; None if the callback takes their bytes.
             callback: takes a message, or a message and information about it.
             checked: whether to check messages; otherwise the callback must do so.
+            read: returns a message, or an object with its fields, from its bytes; None for rclpy's
+                own conversion.
         """
         guarded = self.wrap(key, callback)
+        read = read or functools.partial(deserialize_message, message_type=kind)
 
         @functools.wraps(callback)
         def read_and_guarded(*arguments: Any) -> Any:
@@ -139,9 +148,9 @@ class Guard:
                             f"it has {size:,} bytes; the limit is {MESSAGE_BYTES_MAX:,}; "
                             "send less at once"
                         )
-                    message = deserialize_message(message, kind)
+                    message = read(message)
                 if checked:
-                    check(message)
+                    check(message, kind)
             except (BadMessage, RuntimeError) as error:  # rclpy's own error is a RuntimeError
                 self.log(f"{key}: dropped an invalid message: {error}", key)
                 return None

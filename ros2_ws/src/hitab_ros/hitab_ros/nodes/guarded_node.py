@@ -7,7 +7,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from rcl_interfaces.msg import ParameterEvent
+from rcl_interfaces.msg import ParameterDescriptor, ParameterEvent
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
@@ -82,20 +82,37 @@ class GuardedNode(Node):
     def faults_changed(self) -> None:
         """React to a change of the faults, for example by publishing a status."""
 
-    def declare_parameter(self, name: str, value: Any = None, *args: Any, **options: Any) -> Any:
+    def declare_parameter(
+        self,
+        name: str,
+        value: Any = None,
+        descriptor: ParameterDescriptor | None = None,
+        ignore_override: bool = False,
+    ) -> Any:
         """Declare a parameter; see `rclpy.node.Node`. Floats accept whole numbers.
 
         Raises:
             HitabError: if the given value does not have the declared type.
         """
-        given = self._parameter_overrides.get(name)
+        given = None if ignore_override else self._parameter_overrides.get(name)
         default = value[0] if isinstance(value, list | tuple) and value else value
         if given is not None and isinstance(default, float) and given.type_ in WHOLE:
             is_one = given.type_ is Parameter.Type.INTEGER
             floats = float(given.value) if is_one else list(map(float, given.value))
-            self._parameter_overrides[name] = Parameter(name, value=floats)
+            given = self._parameter_overrides[name] = Parameter(name, value=floats)
+        is_new = value is not None and name not in self._parameters
+        if is_new and not self._publishes_parameter_events:
+            # Nobody listens to the event, for which rclpy makes many messages.
+            is_type = isinstance(value, Parameter.Type)
+            descriptor = ParameterDescriptor() if descriptor is None else descriptor
+            kind = value if is_type else Parameter.Type.from_parameter_value(value)
+            descriptor.type = kind.value
+            if given is None or self._apply_descriptor(given, descriptor, False).successful:
+                declared = given or Parameter(name, value=None if is_type else value)
+                self._parameters[name], self._descriptors[name] = declared, descriptor
+                return declared
         try:
-            return super().declare_parameter(name, value, *args, **options)
+            return super().declare_parameter(name, value, descriptor, ignore_override)
         except InvalidParameterTypeException as error:
             is_now = kind_of(self._parameter_overrides[name].value)
             raise HitabError(
@@ -111,15 +128,17 @@ class GuardedNode(Node):
         checked: bool = True,
         temporary: bool = False,
         raw: bool = False,
+        read: Callable[[bytes], Any] | None = None,
         **options: Any,
     ) -> Any:
-        """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped.
+        """Subscribe; see `rclpy.node.Node`, and `Guard.wrap_topic` for ``checked`` and ``read``.
 
         Messages of more than `hitab_ros.messages.checks.BYTES_MAX` are dropped before
         deserialization, unless the callback takes ``raw`` messages.
         """
         kind = None if raw else msg_type
-        guarded = self.guard.wrap_topic(f"topic {topic}", kind, callback, checked=checked)
+        key = f"topic {topic}"
+        guarded = self.guard.wrap_topic(key, kind, callback, checked=checked, read=read)
         if temporary:
             events = SubscriptionEventCallbacks(use_default_callbacks=False)
             options = {"event_callbacks": events, **options}

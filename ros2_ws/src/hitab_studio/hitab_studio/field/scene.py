@@ -23,6 +23,7 @@ from hitab_msgs import msg
 from numpy.typing import NDArray
 
 from hitab_ros.messages.stamps import seconds_of
+from hitab_studio.kept import while_same
 
 SILENT_MODE = "silent"
 """The mode of an agent that does not answer."""
@@ -191,14 +192,23 @@ def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) 
         palette: assigns colors to states.
     """
     n = len(scene.names)
-    colors = bytearray(n)
-    modes = bytearray(n)
-    for i, name in enumerate(scene.names):
-        mode, state = doing.get(name, ("", ""))
-        colors[i] = palette.index(state)
-        modes[i] = SHOWN_MODES.index(mode) + 1 if mode in SHOWN_MODES else 0
+    codes = _codes(doing, palette)
+    shown = [codes.get(name, (NO_COLOR, 0)) for name in scene.names]
+    colors, modes = map(bytes, zip(*shown, strict=True)) if shown else (b"", b"")
     places = np.ascontiguousarray(scene.places[:, :3], dtype="<f4").tobytes()
-    return struct.pack("<IId", 1, n, float(scene.cycle)) + places + bytes(colors) + bytes(modes)
+    return struct.pack("<IId", 1, n, float(scene.cycle)) + places + colors + modes
+
+
+@while_same
+def _codes(doing: Mapping[str, tuple[str, str]], palette: Palette) -> dict[str, tuple[int, int]]:
+    """Return the color of the active state and the number of the mode of each agent."""
+    return {
+        name: (
+            palette.index(state),
+            SHOWN_MODES.index(mode) + 1 if mode in SHOWN_MODES else 0,
+        )
+        for name, (mode, state) in doing.items()
+    }
 
 
 def said_message(scene: Scene) -> str:

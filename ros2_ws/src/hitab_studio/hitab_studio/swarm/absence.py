@@ -17,7 +17,7 @@ def absence(known: SwarmState, name: str) -> Silence | None:
 
     `Silence.what` completes a sentence that begins with the name, such as ``has ended``.
     """
-    if name != names.WORLD and name not in known.agents:
+    if name != names.WORLD and name not in known.members:
         return Silence(name, "is not up", lasts=True, state="not up")
     since = known.silent.get(name)
     was_heard = name == names.WORLD or name in known.statuses

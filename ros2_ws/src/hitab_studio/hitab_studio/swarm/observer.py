@@ -38,9 +38,6 @@ from hitab_studio.swarm.swarm_state import SwarmState
 STATE_CHANGES_KEPT = 60
 """State changes kept for each agent."""
 
-FOLLOWED_MAX = 40
-"""Agents whose state changes are kept before a page views them; each subscription has a cost."""
-
 
 @dataclass
 class Connected:
@@ -118,7 +115,9 @@ class Observer:
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
         self._events: dict[str, deque[TransitionEvent]] = {}
-        self._commanders = CommanderView(link, agents.prefix, target.identity)
+        self._followed: dict[str, Any] = {}
+        self._commanders = CommanderView(agents)
+        self._reports = 0
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(link)
@@ -154,20 +153,20 @@ class Observer:
         if self._world.status is not known.world:
             self._know(world=self._world.status)
         statuses = self._agents.statuses
-        heard = {name for name, it in statuses.items() if known.statuses.get(name) is not it}
+        heard, self._agents.news = self._agents.news, set()
         if heard:
             self._signs.hear_known(heard)
             is_new = bool(heard - known.statuses.keys())
             joined = time.monotonic() if is_new else known.joined
             self._know(statuses=MappingProxyType(dict(statuses)), joined=joined)
-        groups = self._commanders.groups
-        if any(known.groups.get(name) is not group for name, group in groups.items()):
-            self._know(groups=MappingProxyType(dict(groups)))
+        if self._commanders.reports != self._reports:
+            self._reports = self._commanders.reports
+            self._know(groups=MappingProxyType(dict(self._commanders.groups)))
         self._listen()
         wanted = {page.agent for page in self._pages.values()} - {""}
-        for agent in [*(wanted & statuses.keys()), *sorted(statuses)[:FOLLOWED_MAX]]:
-            if agent not in self._events:
-                self._follow(agent)
+        followed = wanted if self._agents.is_large else wanted | heard
+        for agent in followed & statuses.keys() - self._events.keys():
+            self._follow(agent)
         for agent in wanted & statuses.keys() - self.watches.keys():
             self.watches[agent] = AgentWatch(
                 self._agents,
@@ -179,6 +178,8 @@ class Observer:
             )
         for agent in self.watches.keys() - wanted:
             self.watches.pop(agent).close()
+            if self._agents.is_large:
+                self._forget_events(agent)
         for agent, watch in self.watches.items():
             watch.look()
             self._keep_scenes(agent, watch)
@@ -195,14 +196,19 @@ class Observer:
                 self.known = replace(self.known, robots=robots)
 
     def _follow(self, agent: str) -> None:
-        """Keep the state changes of an agent from now on."""
+        """Keep the state changes of an agent from now on; in a large swarm, while viewed."""
         self._events[agent] = deque(maxlen=STATE_CHANGES_KEPT)
-        self._link.subscribe(
+        self._followed[agent] = self._link.subscribe(
             TransitionEvent,
             names.of_agent(agent, names.TRANSITIONS, self._agents.prefix),
             self._events[agent].append,
             qos.EVENTS,
+            temporary=True,
         )
+
+    def _forget_events(self, agent: str) -> None:
+        del self._events[agent]
+        self._link.node.destroy_subscription(self._followed.pop(agent))
 
     def _listen(self) -> None:
         """Update the silent processes and the reasons for their silence."""
@@ -238,13 +244,8 @@ class Observer:
 
     def discover(self) -> None:
         """Find agents that have joined or left."""
-        node = self._link.node
         self._agents.discover()
-        self._signs.set_gone(
-            name
-            for name in self._agents.statuses
-            if node.count_publishers(names.of_agent(name, names.STATUS, self._agents.prefix)) == 0
-        )
+        self._signs.set_gone(self._agents.gone())
         self._update_elsewhere()
         self._find_robots()
         self._commanders.discover()

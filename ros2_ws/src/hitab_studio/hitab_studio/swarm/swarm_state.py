@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from hitab_client.runs.run_processes import Silence
@@ -15,6 +15,7 @@ from hitab_ros import KnownStops, names
 from hitab_ros.timing import ANSWER_S
 from hitab_studio.field.remembered_scenes import Key
 from hitab_studio.field.scene import SILENT_MODE, Scene, state_shown
+from hitab_studio.kept import while_same
 from hitab_studio.robots.watch import Robots
 from hitab_studio.swarm.agent_watch import AgentState
 from hitab_studio.swarm.received_vocabulary import NO_ITEMS
@@ -66,15 +67,20 @@ class SwarmState:
     robots: Robots | None = None
 
     @cached_property
-    def agents(self) -> tuple[str, ...]:
+    def members(self) -> frozenset[str]:
         """Names of the present and of the expected agents."""
         expected = self.target.agents if self.target is not None else ()
-        return tuple(sorted({*self.statuses, *expected}, key=natural))
+        return frozenset(self.statuses).union(expected)
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Names of the present and of the expected agents, in order."""
+        return _in_order(self.members)
 
     @cached_property
     def unheard(self) -> tuple[str, ...]:
         """Names of the expected agents that were never heard."""
-        return tuple(name for name in self.agents if name not in self.statuses)
+        return _in_order(self.members.difference(self.statuses))
 
     @property
     def is_waiting(self) -> bool:
@@ -114,9 +120,19 @@ class SwarmState:
         unknown.
         """
         lost = self.robots.lost if self.robots is not None else ()
-        return {
-            name: (s.mode, state_shown(s))
-            if self.answers(name) and name not in lost
-            else (SILENT_MODE, "")
-            for name, s in self.statuses.items()
-        }
+        return _doing(self.statuses, self.silent, lost)
+
+
+@lru_cache(maxsize=4)
+def _in_order(names: frozenset[str]) -> tuple[str, ...]:
+    return tuple(sorted(names, key=natural))
+
+
+@while_same
+def _doing(
+    statuses: Mapping[str, Any], silent: Mapping[str, float], lost: Collection[str]
+) -> dict[str, tuple[str, str]]:
+    return {
+        name: (SILENT_MODE, "") if name in silent or name in lost else (s.mode, state_shown(s))
+        for name, s in statuses.items()
+    }

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from typing import Any
 
 from hitab_studio.field.scene import state_shown
+from hitab_studio.kept import while_same
 from hitab_studio.pages.page import Page
 from hitab_studio.swarm.absence import absence
 
@@ -16,6 +17,8 @@ UNFOLDED_MAX = 40
 """Maximum number of agents for which the tree is initially unfolded."""
 
 AGENT_LEVELS_MAX = 8
+
+NOBODY: frozenset[str] = frozenset()
 
 
 def context(page: Page) -> dict[str, Any]:
@@ -43,7 +46,7 @@ def context(page: Page) -> dict[str, Any]:
 
 
 def unfolded(
-    agents: Iterable[str], groups: Mapping[str, Any], folds: Mapping[str, bool], viewed: str
+    agents: Collection[str], groups: Mapping[str, Any], folds: Mapping[str, bool], viewed: str
 ) -> Iterator[tuple[str, int, int, bool]]:
     """Yield the visible rows: name, depth, number of agents below, and whether unfolded.
 
@@ -53,28 +56,41 @@ def unfolded(
         folds: opened (true) and closed commanders, by name.
         viewed: name of the viewed agent, whose commanders are initially unfolded.
     """
-    names = list(agents)
-    subordinates = _commanded(groups, names)
-    below: dict[str, set[str]] = {}
-
-    def all_below(name: str, depth: int = 0) -> set[str]:
-        if name not in below and depth < AGENT_LEVELS_MAX:
-            subs = subordinates.get(name, ())
-            below[name] = {*subs}.union(*(all_below(sub, depth + 1) for sub in subs))
-        return below.get(name, set())
+    tops, subordinates, below = _hierarchy(groups, agents)
+    few = len(agents) <= UNFOLDED_MAX
 
     def visible(name: str, depth: int) -> Iterator[tuple[str, int, int, bool]]:
-        inside = all_below(name)
-        is_open = bool(inside) and folds.get(name, len(names) <= UNFOLDED_MAX or viewed in inside)
+        inside = below.get(name, NOBODY)
+        is_open = bool(inside) and folds.get(name, few or viewed in inside)
         yield name, depth, len(inside), is_open
         if is_open and depth < AGENT_LEVELS_MAX:
             for sub in subordinates[name]:
                 yield from visible(sub, depth + 1)
 
+    for name in tops:
+        yield from visible(name, 0)
+
+
+@while_same
+def _hierarchy(
+    groups: Mapping[str, Any], agents: Collection[str]
+) -> tuple[list[str], dict[str, list[str]], dict[str, Set[str]]]:
+    """Return the agents without a commander, the subordinates, and all agents below each."""
+    names = list(agents)
+    subordinates = _commanded(groups, names)
+    below: dict[str, Set[str]] = {}
+
+    def all_below(name: str, depth: int = 0) -> Set[str]:
+        if name in subordinates and name not in below and depth < AGENT_LEVELS_MAX:
+            subs = subordinates[name]
+            below[name] = {*subs}.union(*(all_below(sub, depth + 1) for sub in subs))
+        return below.get(name, NOBODY)
+
     commanded = {sub for subs in subordinates.values() for sub in subs}
-    for name in names:
-        if name not in commanded:
-            yield from visible(name, 0)
+    tops = [name for name in names if name not in commanded]
+    for name in tops:
+        all_below(name)
+    return tops, subordinates, below
 
 
 def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, list[str]]:

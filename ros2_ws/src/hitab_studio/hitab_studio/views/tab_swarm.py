@@ -41,7 +41,7 @@ def context(page: Page) -> dict[str, Any]:
 def absent(known: SwarmState) -> dict[str, list[str]]:
     """Return the absent agents by state of absence, without those that may still appear."""
     found: dict[str, list[str]] = {}
-    for name in known.agents:
+    for name in sorted({*known.silent, *known.unheard} & known.members, key=natural):
         how = absence(known, name)
         if how is not None and how.state != NOT_HEARD:
             found.setdefault(how.state, []).append(name)

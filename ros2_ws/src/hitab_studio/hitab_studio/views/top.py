@@ -28,7 +28,7 @@ def context(page: Page) -> dict[str, Any]:
     return {
         **emergency(page),
         "swarm": known.target.swarm if known.target else "",
-        "there": sum(map(known.answers, known.agents)),
+        "there": len(known.statuses) - sum(name in known.statuses for name in known.silent),
         "agents": len(known.agents),
         "world": world,
         "paused": world is not None and world.mode == "paused",

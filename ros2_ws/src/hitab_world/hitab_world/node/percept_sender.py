@@ -8,6 +8,7 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_ros import GuardedNode, names, qos
+from hitab_ros.messages.cycle_codec import percept_bytes, read_action
 from hitab_world.node.host_registry import HostRegistry, PerceptOf
 from hitab_world.simulating.lockstep import Answer
 
@@ -17,7 +18,14 @@ EARLY_TOPICS_MAX = 64  # number of agents up to which topics are created before 
 class PerceptSender:
     """Sends percepts, one message per agent or host, and passes on the answers."""
 
-    def __init__(self, node: GuardedNode, agents: tuple[str, ...]) -> None:
+    def __init__(self, node: GuardedNode, agents: tuple[str, ...], *, hosts: int = 0) -> None:
+        """Create the topics of agents that are expected as processes of their own.
+
+        Args:
+            node: the world's node.
+            agents: all agents of the world.
+            hosts: number of hosts that are expected to run the agents.
+        """
         self._node = node
         self._agents = agents
         self._unexpected = set(agents)
@@ -25,7 +33,7 @@ class PerceptSender:
         self._counts: dict[str, int] = {}
         self._answering: frozenset[bytes] = frozenset()
         self._hosts: HostRegistry | None = None
-        if len(agents) <= EARLY_TOPICS_MAX:
+        if not hosts and len(agents) <= EARLY_TOPICS_MAX:
             for name in agents:
                 self._expect(name)
 
@@ -45,7 +53,9 @@ class PerceptSender:
             take(action.agent, action.sequence, (action.values, action.say))
 
         # All agents may answer before this process reads the first answer.
-        self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL)
+        self._node.create_subscription(
+            msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL, read=read_action
+        )
         self._hosts = HostRegistry(self._node, self._agents, take, swarm, report)
 
     def look(self) -> bool:
@@ -92,8 +102,10 @@ class PerceptSender:
             percept_of: returns an agent's percept; None to send nothing.
         """
         for name, publisher in self._publishers.items():
-            if not self._hosted(name) and (sensed := percept_of(name)) is not None:
-                publisher.publish(msg.Percept(**common, values=sensed[0], heard=sensed[1]))
+            if self._hosted(name) or not publisher.get_subscription_count():
+                continue
+            if (sensed := percept_of(name)) is not None:
+                publisher.publish(percept_bytes(**common, values=sensed[0], heard=sensed[1]))
         if self._hosts is not None:
             self._hosts.send(common, percept_of)
 

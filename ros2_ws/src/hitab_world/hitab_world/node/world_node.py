@@ -80,7 +80,7 @@ class WorldNode(GuardedNode):
         self._sequence = time.time_ns()
         self._next_cycle_ns = 0
         self._next_status_ns = 0
-        self._percept_sender = PerceptSender(self, tuple(self.world.agents))
+        self._percept_sender = PerceptSender(self, tuple(self.world.agents), hosts=settings.hosts)
         self.round_answers = RoundAnswers(self.world.agents, self._percept_sender.has)
         self.run_state = RunState(self.world, self.control, self.round_answers)
         warn = self.get_logger().warning

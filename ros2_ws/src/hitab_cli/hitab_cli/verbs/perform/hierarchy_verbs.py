@@ -46,7 +46,7 @@ def tree(
     from hitab_client import CommanderView
 
     with connection(swarm, reads=True) as swarm_up:
-        view = CommanderView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
+        view = CommanderView(swarm_up.agents)
         lost = _await_commanders(swarm_up, view)
         swarm_up.note_whose(group.swarm for group in view.groups.values())
 
@@ -197,7 +197,7 @@ def order(
     term = Term.parse(behavior)
     term = Term(term.name, (*term.arguments, *(targets or [])))
     with connection(swarm) as swarm_up:
-        view = CommanderView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
+        view = CommanderView(swarm_up.agents)
         status = swarm_up.agents.await_agent(commander)
         started = swarm_up.record.commanders if swarm_up.record is not None else ()
         if commander in swarm_up.agents.expected:

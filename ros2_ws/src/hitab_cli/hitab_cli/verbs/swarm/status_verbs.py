@@ -12,7 +12,7 @@ from hitab_cli.verbs.printing import plain
 from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, console
 from hitab_client.terminal.cli_options import JsonPath, SwarmName
-from hitab_client.terminal.cli_remedies import as_command
+from hitab_client.terminal.cli_remedies import as_command, called
 from hitab_core import Fix, each_once, natural, quantity, some
 from hitab_ros.timing import SETTLE_S
 
@@ -31,6 +31,9 @@ WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing la
 
 WAYS_MAX = 10
 """Maximum number of shown remedies."""
+
+ROWS_MAX = 100
+"""Maximum number of agents in the table; JSON has all."""
 
 
 def status(
@@ -183,7 +186,10 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
             rows.append((name, "silent" if why is None else why.state, *[""] * 4))
     rows.sort(key=lambda row: natural(row[0]))
     columns = ("agent", "mode", "behavior", "active", "examples", "library")
-    lines.append(console.table(columns, rows))
+    lines.append(console.table(columns, rows[:ROWS_MAX]))
+    if len(rows) > ROWS_MAX:
+        more = quantity(len(rows) - ROWS_MAX, "more agent")
+        lines.append(console.line(f"and {more}; `{called()} status --json -` has all"))
     if not data["agents"]:
         lines.append(console.line("no agent answers"))
     lines += [console.line(why, "red") for why in sentences(silent)]

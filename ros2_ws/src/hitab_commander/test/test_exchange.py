@@ -1,0 +1,201 @@
+"""Orders and reports within a host, between hosts, and to and from processes of their own."""
+
+from typing import Any
+
+import pytest
+from hitab_msgs import msg
+
+from hitab_ros import names, qos
+from hitab_ros.messages.conversions import pairs_message
+
+SQUAD = """\
+commander: Squad
+orders: {Attack: Search, Retreat: Home, Rest: nothing}
+"""
+TOPICS = {names.ORDER, names.REPORTS}
+
+
+def squad(team, host=None, *ants):
+    return team.commander("chief", SQUAD, ants or ["a", "b"], host=host)
+
+
+def two_hosts(team):
+    """Return a chief with ant a in one host, and the host of ant b."""
+    first, second = team.host("first"), team.host("second")
+    team.ant("a", "chief", host=first)
+    squad(team, first)
+    team.ant("b", "chief", host=second)
+    return first, second
+
+
+def all_perform(team, order, behavior, *ants):
+    team.perform("chief", order)
+    team.until(lambda: {team.performs(name) for name in ants or "ab"} == {behavior})
+    team.until(lambda: all(team.obeying()))
+
+
+def topics_of(node) -> set[str]:
+    ends = [*node.publishers, *node.subscriptions]
+    return {end.topic_name.rpartition("/")[2] for end in ends} & TOPICS
+
+
+def test_within_a_host_nothing_is_sent(team):
+    host = team.host("first")
+    for name in "ab":
+        team.ant(name, "chief", host=host)
+    chief = team.commander("chief", SQUAD, ["a", "b"], host=host, orders_are_shown=False)
+    host.publish_roster()
+    all_perform(team, "Attack", "Search")
+    all_perform(team, "Retreat", "Home")
+    assert not host.batches
+    assert not topics_of(chief)
+
+
+def test_hosts_send_one_another_batches_for_those_who_live_there(team):
+    first, second = two_hosts(team)
+    for host in (first, second, third := team.host("third")):
+        host.publish_roster()
+    all_perform(team, "Attack", "Search")
+    all_perform(team, "Retreat", "Home")
+    team.until(lambda: first.batches and second.batches)
+    assert {report.agent for batch in first.batches for report in batch.reports} == {"b"}
+    assert {order.commander for batch in second.batches for order in batch.orders} == {"chief"}
+    assert not third.batches
+    assert team.begun("b") == ["Search", "Home"]
+
+
+def test_an_order_given_before_the_rosters_are_known_is_obeyed_afterwards(team):
+    first, second = two_hosts(team)
+    first.publish_roster()
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("a") == "Home")
+    assert not team.performs("b")
+    second.publish_roster()
+    team.until(lambda: team.obeying() == [True, True])
+    assert team.begun("b") == ["Home"]
+
+
+def test_orders_that_a_wrong_roster_leads_astray_are_repeated(team):
+    first, second = two_hosts(team)
+    astray = team.link.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    astray.publish(msg.HostRoster(host="nowhere", number=1, agents=["b"], swarm="team"))
+    first.publish_roster()
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("a") == "Home")
+    second.publish_roster()
+    team.until(lambda: team.obeying() == [True, True])
+
+
+def test_a_roster_of_another_swarm_misleads_nobody(team):
+    first, second = two_hosts(team)
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Attack", "Search")
+    other = team.link.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    team.until(lambda: other.get_subscription_count() == 2)
+    other.publish(msg.HostRoster(host="nowhere", number=1, agents=["b"], swarm="other"))
+    all_perform(team, "Retreat", "Home")
+    all_perform(team, "Attack", "Search")
+
+
+def test_a_late_batch_of_old_orders_changes_nothing(team):
+    first, second = two_hosts(team)
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Attack", "Search")
+    all_perform(team, "Retreat", "Home")
+    again = team.link.create_publisher(msg.Orders, f"/second/{names.ORDERS}", qos.EVENTS)
+    team.until(lambda: again.get_subscription_count() > 1)
+    epoch, sequence = team.nodes["chief"].agent.body.order.number
+    for number, behavior in (
+        (sequence - 1, "Search"),
+        (sequence, "Search"),
+        (sequence + 1, "Wait"),
+    ):
+        order = msg.Order(commander="chief", epoch=epoch, sequence=number, order="Attack")
+        order.behaviors = pairs_message([("", behavior)])
+        again.publish(msg.Orders(orders=[order]))
+    team.until(lambda: team.performs("b") == "Wait")
+    assert team.begun("b") == ["Search", "Home", "Wait"]
+
+
+def test_a_host_that_was_restarted_gets_the_orders_in_force(team):
+    first, second = two_hosts(team)
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Retreat", "Home")
+    team.end_host("second")
+    second = team.host("second")
+    team.ant("b", "chief", host=second)
+    second.publish_roster()
+    team.until(lambda: team.performs("b") == "Home")
+    team.until(lambda: team.obeying() == [True, True])
+    all_perform(team, "Attack", "Search")
+
+
+@pytest.mark.parametrize("hosted", ["chief", "ants"])
+def test_who_has_a_process_of_its_own_obeys_and_commands(team, hosted):
+    host = team.host("first")
+    chief = squad(team, host if hosted == "chief" else None)
+    team.ant("a", "chief", host=host)
+    team.ant("b", "chief", host=host if hosted == "ants" else None)
+    host.publish_roster()
+    all_perform(team, "Attack", "Search")
+    all_perform(team, "Retreat", "Home")
+    assert topics_of(chief) == TOPICS
+
+
+def test_who_cannot_take_an_order_keeps_no_other_from_it(team):
+    host = team.host("first")
+    ants = {name: team.ant(name, "chief", host=host) for name in "ab"}
+    squad(team, host)
+    host.publish_roster()
+    all_perform(team, "Attack", "Search")
+
+    def fails(order: Any) -> bool:
+        raise IndexError("it is broken")
+
+    ants["a"].superior.subordinate.take = fails
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("b") == "Home")
+    team.until(lambda: ants["a"].guard.faults)
+    assert "it is broken" in ants["a"].guard.faults.texts()[0]
+    assert not ants["b"].guard.faults
+    assert not host.desk.guard.faults
+
+
+def test_signs_of_life_tell_the_cycle_while_nothing_else_changes(team):
+    first, second = two_hosts(team)
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Attack", "Search")
+    chief = team.nodes["chief"].agent
+
+    for host in (first, second):
+        host.play(1)
+    team.until(lambda: chief.cycle == 1 and first.shared.signs.tells)
+    before = len(first.batches)
+    for _ in range(3):
+        cycle = first.play(1)
+        assert second.play(1) == cycle
+        team.until(lambda cycle=cycle: chief.cycle == cycle)
+    assert not first.batches[before:]
+
+
+def test_agents_of_different_cycles_report_them_themselves(team):
+    first, second = team.host("first"), team.host("second")
+    squad(team, first)
+    for name in "ab":
+        team.ant(name, "chief", host=second)
+    for host in (first, second):
+        host.publish_roster()
+    all_perform(team, "Attack", "Search")
+    second.play(2)
+    second.play(1)
+    team.until(lambda: not second.shared.signs.tells)
+    before = len(first.batches)
+    cycle = second.play(1)
+    body = team.nodes["chief"].agent.body
+    team.until(lambda: body.members["a"].cycle == cycle)
+    assert first.batches[before:]
+    assert body.members["b"].cycle == 1
