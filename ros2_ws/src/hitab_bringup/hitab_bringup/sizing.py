@@ -6,7 +6,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -23,7 +23,7 @@ from hitab_client.runs.run_processes import process_states
 from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.names import WORLD
-from hitab_ros.timing import ANSWER_S, FOUND_S
+from hitab_ros.timing import ANSWER_S, FOUND_S, START_S
 
 WHOLE_MAX = 60
 """Number of members up to which a swarm is tried as a whole."""
@@ -33,10 +33,6 @@ TRIAL_MIN, TRIAL_MAX = 30, 500
 
 BUSY = 0.1
 """Share of the cores from which other programs disturb a trial."""
-
-START_EXPONENT = 1.25
-"""How the start grows with the number of members, all of which discover one another. Fitted to
-swarms of 40 to 4,000; the rest of what a swarm takes grows in proportion."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +69,8 @@ def trial_sizes(members: int) -> tuple[int, ...]:
 def predict(trials: Mapping[int, Needs], members: int, parallel: int) -> Needs:
     """Return the needs of a swarm from those of one or two trials.
 
-    Each need is a constant, of the world and the processes, and a share of each member.
+    Each need is a constant, of the world and the processes, and a share of each member. What other
+    programs use makes a start longer, but its CPU time hardly; so the latter tells its growth.
 
     Args:
         trials: needs by the number of members.
@@ -85,21 +82,16 @@ def predict(trials: Mapping[int, Needs], members: int, parallel: int) -> Needs:
     if small == large:
         return many
 
-    def at_size(name: str, exponent: float = 1.0) -> float:
+    def at_size(name: str) -> float:
         first, last = getattr(few, name), getattr(many, name)
-        a, b, n = small**exponent, large**exponent, members**exponent
         # A swarm takes no less than a part of it, though noise may say so.
-        return float(max(last, last + (last - first) * (n - b) / (b - a)))
+        return float(max(last, last + (last - first) * (members - large) / (large - small)))
 
-    start_cpu_s = at_size("start_cpu_s", START_EXPONENT)
-    in_proportion = ("cycle_ms", "world_cores", "agents_cores", "world_mb", "agents_mb")
-    return replace(
-        many,
-        start_s=many.start_s + (start_cpu_s - many.start_cpu_s) / parallel,
-        start_cpu_s=start_cpu_s,
-        strangers_cores=max(few.strangers_cores, many.strangers_cores),
-        **{name: at_size(name) for name in in_proportion},
-    )
+    linear = {field.name: at_size(field.name) for field in fields(Needs)}
+    added_s = (linear["start_cpu_s"] - many.start_cpu_s) / parallel
+    strangers_cores = max(few.strangers_cores, many.strangers_cores)
+    linear |= {"start_s": many.start_s + added_s, "strangers_cores": strangers_cores}
+    return Needs(**linear)
 
 
 def refuse_untriable(swarm: SwarmDescription) -> None:
@@ -140,16 +132,14 @@ def reduced(swarm: SwarmDescription, share: float) -> SwarmDescription:
     for squads in places.values():
         # A host of one agent would be a process of another kind.
         wanted = left = max(2, math.ceil(share * sum(map(len, squads.values()))))
-        for squad in squads.values():
+        for together in squads.values():
             if left > 0:
-                kept.update(squad[:wanted])
-                left -= len(squad)
+                kept.update(together[:wanted])
+                left -= len(together)
     superiors = {member.name: member.superior for member in swarm.members}
-    for agent_name in list(kept):
-        name = superiors[agent_name]
-        while name and name not in kept:
+    for name in list(kept):
+        while (name := superiors[name]) and name not in kept:
             kept.add(name)
-            name = superiors[name]
     all_endpoints = swarm.all_endpoints
     if all_endpoints is None:
         all_endpoints = len(swarm.members) <= ALL_ENDPOINTS_MAX
@@ -227,7 +217,11 @@ def _playing(run: RunFolder, record: RunRecord, seconds: float) -> Iterator[floa
             used = _cpu(world), _cpu(others)
             return *came[-1], *used, busy - sum(used)
 
-        link.spin_until(lambda: False, FOUND_S)  # this node is discovered, and all begin to play
+        def plays() -> bool:
+            return len(came) > 1 and came[-1][1] > came[-2][1]
+
+        link.spin_until(plays, START_S)
+        link.spin_until(lambda: False, FOUND_S)  # discovery of this node ends, the game begins
         then = now()
         link.spin_until(lambda: False, seconds)
         passed, cycles, *cpu_s = (b - a for a, b in zip(then, now(), strict=True))
