@@ -134,7 +134,7 @@ def reduced(swarm: SwarmDescription, share: float) -> SwarmDescription:
         wanted = left = max(2, math.ceil(share * sum(map(len, squads.values()))))
         for together in squads.values():
             if left > 0:
-                kept.update(together[:wanted])
+                kept.update(together[: max(wanted, TRIAL_MIN)])
                 left -= len(together)
     superiors = {member.name: member.superior for member in swarm.members}
     for name in list(kept):

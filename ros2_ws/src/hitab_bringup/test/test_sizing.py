@@ -42,12 +42,11 @@ start_from: {LIBRARY}
 behavior: Search
 world: {{kind: foraging, parameters: {{foragers: {agents}}}{world}}}
 agents:
-  scout: {{count: {agents // 5}}}
-  carrier: {{count: {agents * 4 // 5}}}
+  forager: {{count: {agents}}}
 kinds:
   Leader: {{orders: {{Search: Search}}}}
 commanders:
-  squad: {{kind: Leader, commands: {{scout: 1, carrier: 4}}}}
+  squad: {{kind: Leader, commands: {{forager: 5}}}}
   chief: {{kind: Leader, commands: squad, host: headquarters}}
 {more}
 """
@@ -113,12 +112,12 @@ def test_a_part_opens_as_many_endpoints_as_the_whole_would(tmp_path):
 def test_one_commander_of_all_keeps_only_a_share(tmp_path):
     text = (
         "swarm: flat\ndomain: foraging\nhosts: 2\nworld: {kind: foraging}\n"
-        "agents: {ant: {count: 100}}\nkinds: {Leader: {orders: {Search: Search}}}\n"
+        "agents: {ant: {count: 200}}\nkinds: {Leader: {orders: {Search: Search}}}\n"
         "commanders: {root: {kind: Leader, commands: ant}}\n"
     )
     part = reduced(parse_swarm(text, tmp_path / "flat.yaml"), 0.2)
-    assert len(part.agents) == 20
-    assert [len(one.subordinates) for one in part.commanders] == [20]
+    assert len(part.agents) == 40
+    assert [len(one.subordinates) for one in part.commanders] == [40]
 
 
 @pytest.mark.parametrize(
@@ -155,7 +154,7 @@ def test_a_part_plays_and_leaves_the_swarm_as_it_was(tmp_path, monkeypatch, pace
     monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
     whole = swarm(tmp_path, 10, "hosts: 2", f", pace: {pace}, paused: true")
     folder = tmp_path / "sized"
-    learned = folder / "libraries" / whole.agents[0].library_name
+    learned = folder / "libraries" / whole.agents[0].process
     learned.mkdir(parents=True)
     (learned / "note.txt").write_text("mine")
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
