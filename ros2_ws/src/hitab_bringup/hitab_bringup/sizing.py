@@ -7,7 +7,9 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -23,12 +25,12 @@ from hitab_client.runs.run_processes import process_states
 from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.names import WORLD
-from hitab_ros.timing import ANSWER_S, FOUND_S, START_S
+from hitab_ros.timing import FOUND_S, HEARTBEAT_S, START_S
 
 WHOLE_MAX = 60
 """Number of members up to which a swarm is tried as a whole."""
 
-TRIAL_MIN, TRIAL_MAX = 30, 500
+TRIAL_MIN, TRIAL_MAX = 30, 1000
 """Numbers of members of trial runs."""
 
 BUSY = 0.1
@@ -63,7 +65,7 @@ def trial_sizes(members: int) -> tuple[int, ...]:
     if members <= WHOLE_MAX:
         return (members,)
     large = min(max(members // 4, 2 * TRIAL_MIN), TRIAL_MAX)
-    return max(large // 4, TRIAL_MIN), large
+    return max(large // 8, TRIAL_MIN), large
 
 
 def predict(trials: Mapping[int, Needs], members: int, parallel: int) -> Needs:
@@ -199,34 +201,31 @@ def _playing(run: RunFolder, record: RunRecord, seconds: float) -> Iterator[floa
     world = [psutil.Process(pids[WORLD])]
     others = [process for process in run.processes() if process not in world]
     with RosLink(record.domain_id) as link:
-        came: list[tuple[float, int]] = []
-        link.subscribe(
-            WorldStatus,
-            names.of_world(names.STATUS, record.namespace),
-            lambda status: came.append((time.monotonic(), status.cycle)),
-            qos.LATCHED,
-        )
+        came: list[tuple[float, ...]] = []
 
-        def now() -> tuple[float, ...]:
-            came.clear()
-            link.spin_until(lambda: bool(came), ANSWER_S)
-            if not came:
-                raise SwarmError(f"the world of {record.swarm} does not report", Fix.DOCTOR())
+        def take(status: WorldStatus) -> None:
+            if came and time.monotonic() - came[-1][0] < HEARTBEAT_S:
+                return  # published because it changed
             all_ = psutil.cpu_times()
-            busy = sum(all_[:4]) - all_.idle - time.process_time()  # user, nice, system, idle
             used = _cpu(world), _cpu(others)
-            return *came[-1], *used, busy - sum(used)
+            strangers = all_.user + all_.nice + all_.system - time.process_time() - sum(used)
+            came.append((time.monotonic(), status.cycle, *used, strangers))
 
-        def plays() -> bool:
-            return len(came) > 1 and came[-1][1] > came[-2][1]
-
-        link.spin_until(plays, START_S)
+        topic = names.of_world(names.STATUS, record.namespace)
+        link.subscribe(WorldStatus, topic, take, qos.LATCHED)
+        link.spin_until(lambda: len(came) > 1 and came[-1][1] > came[-2][1], START_S)
         link.spin_until(lambda: False, FOUND_S)  # discovery of this node ends, the game begins
-        then = now()
-        link.spin_until(lambda: False, seconds)
-        passed, cycles, *cpu_s = (b - a for a, b in zip(then, now(), strict=True))
-    *own, strangers = (used / passed for used in cpu_s)
-    yield 1000 * passed / cycles if cycles else math.inf
+        came.clear()
+        link.spin_until(
+            lambda: len(came) > 1 and came[-1][0] - came[0][0] > seconds, seconds + START_S
+        )
+    if len(came) < 2:
+        raise SwarmError(f"the world of {record.swarm} does not report", Fix.DOCTOR())
+    each = [[b - a for a, b in zip(*two, strict=True)] for two in pairwise(came)]
+    # The median leaves out seconds in which the machine was busy with something else.
+    cycles, *cores = (median(d[i] / d[0] for d in each) for i in range(1, 5))
+    *own, strangers = cores
+    yield 1000 / cycles if cycles else math.inf
     yield from own
     yield from (sum(p.memory_full_info().pss for p in of) / 1e6 for of in (world, others))
     yield max(0.0, strangers)
