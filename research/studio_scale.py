@@ -27,9 +27,9 @@ from hitab_msgs.msg import (
     WorldStatus,
 )
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from tests.browsing import browser, studio
+from browsing import browser, studio
 
 from hitab_client import RosLink
 from hitab_ros import names, qos

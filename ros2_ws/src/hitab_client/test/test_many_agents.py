@@ -121,10 +121,11 @@ def test_one_agent_of_many_is_watched_alone_and_agents_without_a_host_on_their_o
         assert agents.agents() == ["robot"]
 
 
-def test_an_older_status_from_the_history_of_a_host_is_not_taken():
+def test_an_older_status_from_a_host_is_not_taken():
     with watched(200) as (hosts, link, _, processes):
         agents = SwarmClient(link, hosts.agents, identity=IDENTITY, processes=processes)
         agents.watch_all()
+        assert link.spin_until(lambda: hosts._publisher.get_subscription_count() == 1, 10.0)
         for sequence, faults in ((5, []), (4, ["old"]), (6, [])):
             hosts.publish(sequence, faults=faults)
         assert link.spin_until(
@@ -138,6 +139,7 @@ def test_a_host_of_another_swarm_makes_its_agents_strangers():
     with watched(200) as (hosts, link, _, processes):
         agents = SwarmClient(link, hosts.agents, identity="other-11111111", processes=processes)
         agents.watch_all()
+        assert link.spin_until(lambda: hosts._publisher.get_subscription_count() == 1, 10.0)
         hosts.publish()
         assert link.spin_until(lambda: len(agents.strangers) == 200, 20.0)
         assert not agents.statuses
