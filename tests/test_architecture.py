@@ -50,9 +50,9 @@ BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
     "hitab_agent": 2750,
-    "hitab_bringup": 2250,
+    "hitab_bringup": 2400,
     "hitab_class": 200,
-    "hitab_cli": 2900,
+    "hitab_cli": 2950,
     "hitab_client": 4000,
     "hitab_commander": 1150,
     "hitab_core": 9700,
@@ -64,7 +64,7 @@ BUDGET = {
     "hitab_studio": 4450,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 30600,
+    "tests": 30700,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

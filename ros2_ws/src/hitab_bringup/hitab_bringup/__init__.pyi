@@ -34,6 +34,13 @@ from .processes.run_logs import LogFile as LogFile
 from .processes.run_logs import LogLine as LogLine
 from .processes.run_logs import logs_of as logs_of
 from .processes.run_logs import new_lines as new_lines
+from .sizing import Needs as Needs
+from .sizing import lacks as lacks
+from .sizing import predict as predict
+from .sizing import reduced as reduced
+from .sizing import refuse_untriable as refuse_untriable
+from .sizing import trial_sizes as trial_sizes
+from .sizing import try_out as try_out
 from .swarm_files.swarm_description import AgentDescription as AgentDescription
 from .swarm_files.swarm_description import SwarmDescription as SwarmDescription
 from .swarm_files.swarm_description import WorldDescription as WorldDescription

@@ -90,9 +90,7 @@ def bring_up(
                     domain_id = domain_ids.for_swarm(refused, has_world=swarm.world is not None)
                     _refuse_conflicts(swarm, folder, domain_id)
                     record = stack.enter_context(_started(swarm, folder, domain_id, say=say))
-                running = stack.enter_context(_answering(swarm, record, folder, progress))
-                for text in _to_know(swarm, running, progress):
-                    warn(text)
+                await_up(swarm, record, folder, progress, warn)
                 return record
             except NamesTakenError as error:
                 refused.append(error.domain_id)
@@ -101,6 +99,19 @@ def bring_up(
                     raise
                 owner = f"ROS domain {error.domain_id} is in use by {error.owner}"
                 warn(f"{owner}; {swarm.name} starts in another one")
+
+
+def await_up(
+    swarm: SwarmDescription,
+    record: RunRecord,
+    folder: RunFolder,
+    progress: Progress | None = None,
+    warn: Callable[[str], None] = lambda text: None,
+) -> None:
+    """Wait until every agent and the world answer and perceive; see `bring_up`."""
+    with _answering(swarm, record, folder, progress) as running:
+        for text in _to_know(swarm, running, progress):
+            warn(text)
 
 
 @contextlib.contextmanager
@@ -114,6 +125,23 @@ def temporary_swarm(
         run_folder: run folder; None for a folder that is removed at the end.
         progress: called as nodes come up.
     """
+    with (
+        temporary_processes(swarm, run_folder) as (folder, record),
+        _answering(swarm, record, folder, progress) as running,
+    ):
+        yield running
+
+
+@contextlib.contextmanager
+def temporary_processes(
+    swarm: SwarmDescription, run_folder: Path | None = None
+) -> Iterator[tuple[RunFolder, RunRecord]]:
+    """Start a swarm's processes in their own ROS domain, and stop them at the end.
+
+    Args:
+        swarm: the description.
+        run_folder: run folder; None for a folder that is removed at the end.
+    """
     with contextlib.ExitStack() as stack:
         if run_folder is None:
             run_folder = Path(tempfile.mkdtemp(prefix="hitab-"))
@@ -122,8 +150,7 @@ def temporary_swarm(
         supervision.refuse_running(folder)
         domain_id = stack.enter_context(domain_ids.reserved())
         stack.callback(supervision.stop, folder)
-        record = stack.enter_context(_started(swarm, folder, domain_id, temporary=True))
-        yield stack.enter_context(_answering(swarm, record, folder, progress))
+        yield folder, stack.enter_context(_started(swarm, folder, domain_id, temporary=True))
 
 
 @contextlib.contextmanager
