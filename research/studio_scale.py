@@ -48,6 +48,8 @@ COUNTS_BYTES = """
     };
 """
 
+COUNTED = "[studioField.drawn, studioField.frames, studioField.now.cycle, window.received]"
+
 
 def stand_in(count: int) -> None:
     """Publish what a world and hosts with this many agents publish."""
@@ -120,12 +122,12 @@ def measure(swarm: str = "", agents: int = 0, seconds: float = 10.0) -> None:
         (served,) = (one for one in mine if "studio" in one.cmdline())
 
         def counts() -> list[float]:
-            counted = page.evaluate("[studioField.drawn, studioField.frames, window.received]")
+            counted = page.evaluate(COUNTED)
             return [time.monotonic(), *counted, sum(served.cpu_times()[:2])]
 
         before = counts()
         page.wait_for_timeout(1000 * seconds)
-        took, drawn, frames, size, busy = (b - a for a, b in zip(before, counts(), strict=True))
+        took, drawn, frames, cycles, size, busy = (b - a for a, b in zip(before, counts(), strict=True))
         rows = len(page.query_selector_all(".agents .agent"))
         things = page.evaluate("studioField.roster.names.length")
         agents_found = page.inner_text(".agents .foot span")
@@ -134,7 +136,8 @@ def measure(swarm: str = "", agents: int = 0, seconds: float = 10.0) -> None:
         served.terminate()
         served.wait(60)
         print(
-            f"{things} things: {drawn / took:.1f} drawings/s, {frames / took:.1f} frames/s, "
+            f"{things} things: {drawn / took:.1f} drawings/s, {frames / took:.1f} frames/s "
+            f"of {cycles / took:.1f} cycles/s, "
             f"{size / took / 1e3:.0f} kB/s, {busy / took:.2f} cores, {memory / 1e6:.0f} MB; "
             f"shown after {shown:.1f} s, ended in {time.monotonic() - began:.1f} s; "
             f"{rows} rows, {agents_found}"

@@ -53,32 +53,58 @@ class _Layout:
     """
 
     def __init__(self, data: bytes, state: Any, scene: Scene) -> None:
-        self._frame_id, self._scene = state.header.frame_id, scene
-        at = _after_text(8, state.header.frame_id)
-        at = _aligned(_after_text(_after_text(at, state.world), state.mode))
-        self._cycle = at // WORD  # then the episode and its cycle
-        at += 5 * WORD + 4
+        self._scene, self._frame_id = scene, state.header.frame_id
+        self._size = len(data)
+        self._at = 0
+        # What must not change; neither the numbers nor the bytes between fields, which vary.
+        self._same = np.zeros(len(data) + WORD, dtype=np.uint8)
+        self._skip(WORD)  # the stamp
+        for text in (state.header.frame_id, state.world, state.mode):
+            self._keep_text(text)
+        self._cycle = self._skip(3 * WORD) // WORD  # then the episode and its cycle
+        self._keep(2 * WORD, WORD)
+        self._keep(4, 4)
         begins = []
         for entity in state.entities:
-            begins.append(at := _aligned(_after_text(_after_text(at, entity.name), entity.kind)))
-            at = _after_text(at + (len(KNOWN_FIELDS) + 1) * WORD, entity.say)
-        self._places = np.array(begins, dtype=int)[:, None] // WORD + np.arange(len(KNOWN_FIELDS))
-        self._change = (len(data) - BEGIN - 4 - len(state.note.encode()) - 1) // WORD - 1
-        self._others = self._without_numbers(data, _words(data))
+            self._keep_text(entity.name)
+            self._keep_text(entity.kind)
+            begins.append(self._skip(len(KNOWN_FIELDS) * WORD) // WORD)
+            self._keep(WORD, WORD)
+            self._keep_text(entity.say)
+        self._places = np.array(begins, dtype=int)[:, None] + np.arange(len(KNOWN_FIELDS))
+        self._keep(4, 4)
+        for look in state.looks:
+            for text in (look.kind, look.color, look.shape):
+                self._keep_text(text)
+            self._keep(2, 1)
+            self._keep(5, 4)
+        self._change = self._skip(WORD) // WORD
+        self._keep_text(state.note)
+        words = _words(data)
+        self._mask = self._same[: words.nbytes].view(np.uint64)
+        self._others = self._without_numbers(words)
 
-    def _without_numbers(self, data: bytes, words: NDArray[np.uint64]) -> bytes:
-        """Return the bytes of a state of this size with zeros in place of the numbers."""
-        words = words.copy()
-        words[[0, self._cycle, self._cycle + 1, self._cycle + 2, self._change]] = 0
-        words[self._places] = 0
-        return data[:BEGIN] + words.tobytes() + data[BEGIN + words.nbytes :]
+    def _skip(self, size: int) -> int:
+        """Skip numbers that may change; return where they begin."""
+        begin = self._at + -self._at % WORD
+        self._at = begin + size
+        return begin
+
+    def _keep(self, size: int, alignment: int) -> None:
+        self._at += -self._at % alignment
+        self._same[self._at : self._at + size] = 255
+        self._at += size
+
+    def _keep_text(self, text: str) -> None:
+        self._keep(4 + len(text.encode()) + 1, 4)
+
+    def _without_numbers(self, words: NDArray[np.uint64]) -> bytes:
+        return (words & self._mask).tobytes()
 
     def read(self, data: bytes) -> SceneState | None:
         """Return the state with these bytes; None if not only numbers have changed."""
-        if len(data) != len(self._others):
-            return None
         words = _words(data)
-        if self._without_numbers(data, words) != self._others:
+        if len(data) != self._size or self._without_numbers(words) != self._others:
             return None
         first = self._cycle
         cycle, episode, episode_cycle, change = map(
@@ -140,13 +166,5 @@ def _same(one: SceneState | None, other: SceneState) -> bool:
 
 
 def _words(data: bytes) -> NDArray[np.uint64]:
-    body = data[BEGIN : len(data) - (len(data) - BEGIN) % WORD]
-    return np.frombuffer(body, dtype=np.uint64)
-
-
-def _aligned(at: int) -> int:
-    return at + -at % WORD
-
-
-def _after_text(at: int, text: str) -> int:
-    return at + -at % 4 + 4 + len(text.encode()) + 1
+    """Return the fields of a state, and what fills the last word."""
+    return np.frombuffer(data[BEGIN:] + bytes(-(len(data) - BEGIN) % WORD), dtype=np.uint64)
