@@ -127,7 +127,9 @@ def measure(swarm: str = "", agents: int = 0, seconds: float = 10.0) -> None:
 
         before = counts()
         page.wait_for_timeout(1000 * seconds)
-        took, drawn, frames, cycles, size, busy = (b - a for a, b in zip(before, counts(), strict=True))
+        took, drawn, frames, cycles, size, busy = (
+            b - a for a, b in zip(before, counts(), strict=True)
+        )
         rows = len(page.query_selector_all(".agents .agent"))
         things = page.evaluate("studioField.roster.names.length")
         agents_found = page.inner_text(".agents .foot span")

@@ -51,7 +51,7 @@ def read(reader: SceneReader, message: Any) -> Any:
 def test_only_numbers_are_read_again(names, say, note, x, sec):
     reader = SceneReader()
     first = read(reader, state(*names, say=say, note=note, change=7))
-    more = dict(cycle=5, episode=2, episode_cycle=3, change=9)
+    more = {"cycle": 5, "episode": 2, "episode_cycle": 3, "change": 9}
     second = read(reader, state(*names, say=say, note=note, x=x, sec=sec, **more))
     assert second.names is first.names
     assert second.looks is first.looks
