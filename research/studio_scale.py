@@ -13,7 +13,6 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 import psutil  # type: ignore[import-untyped]
 import typer
@@ -37,6 +36,19 @@ from hitab_ros import names, qos
 BATCH = 100
 GROUP = 5
 STATES = ("Search", "Carry", "Rest")
+
+COUNTS_BYTES = """
+    window.received = 0;
+    const count = ({ data }) => (window.received += data.byteLength ?? data.length);
+    window.WebSocket = class extends WebSocket {
+        constructor(...given) {
+            super(...given);
+            this.addEventListener("message", count);
+        }
+    };
+"""
+
+COUNTED = "[studioField.drawn, studioField.frames, studioField.now.cycle, window.received]"
 
 
 def stand_in(count: int) -> None:
@@ -90,12 +102,6 @@ def stand_in(count: int) -> None:
 
 def measure(swarm: str = "", agents: int = 0, seconds: float = 10.0) -> None:
     """Open the page, wait for the field, and print what a second of it costs."""
-    received = 0
-
-    def count(frame: Any) -> None:
-        nonlocal received
-        received += len(frame)
-
     if agents:
         multiprocessing.get_context("spawn").Process(
             target=stand_in, args=(agents,), daemon=True
@@ -106,25 +112,37 @@ def measure(swarm: str = "", agents: int = 0, seconds: float = 10.0) -> None:
         browser() as opened,
     ):
         page = opened.new_page()
-        page.on("websocket", lambda socket: socket.on("framereceived", count))
+        page.add_init_script(COUNTS_BYTES)
+        began = time.monotonic()
         page.goto(address)
         page.wait_for_function("window.studioField?.now", timeout=60_000)
+        shown = time.monotonic() - began
         page.wait_for_timeout(5000)
         mine = psutil.Process().children(recursive=True)
         (served,) = (one for one in mine if "studio" in one.cmdline())
 
         def counts() -> list[float]:
-            drawn = page.evaluate("[studioField.drawn, studioField.frames]")
-            return [time.monotonic(), *drawn, received, sum(served.cpu_times()[:2])]
+            counted = page.evaluate(COUNTED)
+            return [time.monotonic(), *counted, sum(served.cpu_times()[:2])]
 
         before = counts()
         page.wait_for_timeout(1000 * seconds)
-        took, drawn, frames, size, busy = (b - a for a, b in zip(before, counts(), strict=True))
+        took, drawn, frames, cycles, size, busy = (
+            b - a for a, b in zip(before, counts(), strict=True)
+        )
+        rows = len(page.query_selector_all(".agents .agent"))
+        things = page.evaluate("studioField.roster.names.length")
+        agents_found = page.inner_text(".agents .foot span")
+        memory = served.memory_info().rss
+        began = time.monotonic()
+        served.terminate()
+        served.wait(60)
         print(
-            f"{page.evaluate('studioField.roster.names.length')} things: {drawn / took:.1f} "
-            f"drawings/s, {frames / took:.1f} frames/s, {size / took / 1e3:.0f} kB/s, "
-            f"{busy / took:.2f} cores; {len(page.query_selector_all('.agents .agent'))} rows, "
-            f"{page.inner_text('.agents .foot span')}"
+            f"{things} things: {drawn / took:.1f} drawings/s, {frames / took:.1f} frames/s "
+            f"of {cycles / took:.1f} cycles/s, "
+            f"{size / took / 1e3:.0f} kB/s, {busy / took:.2f} cores, {memory / 1e6:.0f} MB; "
+            f"shown after {shown:.1f} s, ended in {time.monotonic() - began:.1f} s; "
+            f"{rows} rows, {agents_found}"
         )
 
 

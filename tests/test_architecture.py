@@ -61,7 +61,7 @@ BUDGET = {
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1750,
-    "hitab_studio": 4450,
+    "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,
     "tests": 30700,

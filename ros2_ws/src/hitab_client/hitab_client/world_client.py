@@ -42,6 +42,8 @@ class WorldClient(SwarmListener):
         identity: the swarm's identity; empty for any swarm.
         started_by_it: whether the swarm has started a world.
         processes: the swarm's processes, which show why the world does not answer.
+        read_state: returns a checked state, or an object with the fields that are needed, from
+            its bytes; None for a `WorldState`.
 
     Attributes:
         status: the last status of the swarm's world.
@@ -56,6 +58,7 @@ class WorldClient(SwarmListener):
         identity: str = "",
         started_by_it: bool = True,
         processes: RunProcesses | None = None,
+        read_state: Callable[[bytes], Any] | None = None,
     ) -> None:
         super().__init__(link, prefix, identity, (THE_WORLD,) if started_by_it else ())
         self._processes = processes or RunProcesses()
@@ -65,7 +68,14 @@ class WorldClient(SwarmListener):
         self._first_stamp: tuple[float, float] | None = None
         self.episodes: list[Episode] = []
         link.subscribe(WorldStatus, self._name(names.STATUS), self._take_status, qos.LATCHED)
-        link.subscribe(WorldState, self._name(names.STATE), self._take_state, qos.LATCHED)
+        link.subscribe(
+            WorldState,
+            self._name(names.STATE),
+            self._take_state,
+            qos.LATCHED,
+            read=read_state,
+            checked=read_state is None,
+        )
         link.subscribe(Episode, self._name(names.EPISODES), self.episodes.append, qos.EVENTS)
 
     def _name(self, name: str) -> str:

@@ -143,3 +143,14 @@ def test_a_host_of_another_swarm_makes_its_agents_strangers():
         hosts.publish()
         assert link.spin_until(lambda: len(agents.strangers) == 200, 20.0)
         assert not agents.statuses
+
+
+def test_many_agents_that_were_started_by_hand_are_watched_on_request_as_well():
+    with watched(200) as (hosts, link, _, processes):
+        agents = SwarmClient(link, identity=IDENTITY, processes=processes)
+        assert not agents.is_large
+        agents.watch_all()
+        assert link.spin_until(lambda: hosts._publisher.get_subscription_count() == 1, 10.0)
+        hosts.publish()
+        assert link.spin_until(lambda: len(agents.statuses) == 200, 60.0)
+        assert agents.is_large

@@ -36,7 +36,7 @@ class Link(Caller):
         self._answer, self._on_the_way = answer, list(on_the_way)
         self._take, self._seconds = take, seconds
 
-    def subscribe(self, *arguments: Any) -> None:
+    def subscribe(self, *arguments: Any, **options: Any) -> None:
         pass
 
     @blocking

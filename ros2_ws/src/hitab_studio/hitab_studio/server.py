@@ -174,5 +174,6 @@ def serve(
         reconnect_timeout=30.0,  # else a busy browser or bad Wi-Fi reloads the page
         uvicorn_logging_level="error",
         gzip_middleware_factory=None,
+        ws_per_message_deflate=False,  # places hardly get shorter, and it takes most of the time
         binding_refresh_interval=None,
     )

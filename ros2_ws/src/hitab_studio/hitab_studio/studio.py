@@ -117,7 +117,7 @@ class Studio(StudioState):
     def _forget_former(self, known: SwarmState) -> None:
         """Forget the former swarm once another one is up; a restarted one is the same swarm."""
         target = known.target
-        if target is None or target.problem or not (known.members or known.scene):
+        if target is None or target.problem or not (known.scene or known.members):
             return
         for page in self.pages.values():
             page.messages.withdraw(_dialog_closed(target))

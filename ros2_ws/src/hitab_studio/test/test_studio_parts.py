@@ -17,7 +17,7 @@ from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.term import Term
 from hitab_studio.access import AccessControl, is_loopback, new_token
-from hitab_studio.field.remembered_scenes import RECENT, RememberedScenes
+from hitab_studio.field.remembered_scenes import RECENT, THINGS_MAX, RememberedScenes
 from hitab_studio.field.scene import NO_COLOR, Palette, frame, scene_of, state_shown
 from hitab_studio.pages.example_effects import effect, is_contradicted
 from hitab_studio.pages.page_view import perform
@@ -221,6 +221,17 @@ def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
     assert [*scenes.kept] == [("keeper_1", "Near", 1, 1)]
     (kept,) = scenes.kept.values()
     assert kept.everything()["keeper_1"]["x"] == 3.0
+
+
+@pytest.mark.parametrize("count", [1, 10_000])
+def test_scenes_of_many_things_are_remembered_for_a_shorter_time(count: int):
+    scenes = RememberedScenes()
+    many = replace(scene(), names=("ant",) * count)
+    for cycle in range(RECENT + 10):
+        scenes.see(replace(many, cycle=cycle))
+    scenes.keep("ant", "Near", enumerate(range(RECENT + 10)))
+    back = 3  # an example without a scene of its cycle has that of one shortly before
+    assert len(scenes.kept) in range(RECENT // 10, min(RECENT, THINGS_MAX // count) + back)
 
 
 # -- learned behaviors ----------------------------------------------------------------------

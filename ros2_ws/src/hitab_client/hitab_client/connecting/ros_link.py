@@ -118,10 +118,17 @@ class RosLink(Caller):
         topic: str,
         take: Callable[[Any], None],
         qos: QoSProfile,
-        *,
-        temporary: bool = False,
+        **options: Any,
     ) -> Any:
-        """Subscribe; the next spin raises exceptions from ``take``."""
+        """Subscribe; the next spin raises exceptions from ``take``.
+
+        Args:
+            kind: type of the messages.
+            topic: name of the topic.
+            take: called with each message.
+            qos: quality of service.
+            options: see `GuardedNode.create_subscription`.
+        """
 
         def guarded(message: Any) -> None:
             # Otherwise the node's guard would only log it.
@@ -130,7 +137,7 @@ class RosLink(Caller):
             except BaseException as error:
                 self._failure = error
 
-        return self.node.create_subscription(kind, topic, guarded, qos, temporary=temporary)
+        return self.node.create_subscription(kind, topic, guarded, qos, **options)
 
     def topics_of_type(self, kind: str) -> Iterator[str]:
         """Yield the discovered topics with this message type."""

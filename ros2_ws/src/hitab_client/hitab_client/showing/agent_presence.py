@@ -261,7 +261,7 @@ class AgentPresence(SwarmListener):
     @property
     def is_large(self) -> bool:
         """Whether agents are watched only on request."""
-        return len(self.expected) > WATCHED_MAX
+        return len(self.unheard) + len(self.statuses) > WATCHED_MAX
 
     def _awaited(self, agents: Iterable[str]) -> set[str]:
         """Return the agents, of these, that have not reported and still may."""

@@ -9,7 +9,10 @@ from types import MappingProxyType
 from hitab_studio.field.scene import Scene
 
 RECENT = 600
-"""Number of remembered scenes; those of the last minute, or of a longer time."""
+"""Maximum number of remembered scenes; those of the last minute, or of a longer time."""
+
+THINGS_MAX = 600_000
+"""Maximum number of things in the remembered scenes together; a thing takes 40 bytes."""
 
 Key = tuple[str, str, int, int]
 """Key of an example: agent, automaton, number and cycle."""
@@ -30,7 +33,7 @@ class RememberedScenes:
         """Remember a scene, in place of an earlier one of the same cycle, before a placement."""
         self._recent[scene.cycle] = scene
         self._recent.move_to_end(scene.cycle)
-        while len(self._recent) > RECENT:
+        while len(self._recent) > min(RECENT, THINGS_MAX // max(1, len(scene.names))):
             self._recent.popitem(last=False)
 
     def keep(self, agent: str, automaton: str, examples: Iterable[tuple[int, int]]) -> None:

@@ -191,24 +191,21 @@ def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) 
         doing: mode and active state of each agent, by name.
         palette: assigns colors to states.
     """
-    n = len(scene.names)
-    codes = _codes(doing, palette)
-    shown = [codes.get(name, (NO_COLOR, 0)) for name in scene.names]
-    colors, modes = map(bytes, zip(*shown, strict=True)) if shown else (b"", b"")
     places = np.ascontiguousarray(scene.places[:, :3], dtype="<f4").tobytes()
-    return struct.pack("<IId", 1, n, float(scene.cycle)) + places + colors + modes
+    head = struct.pack("<IId", 1, len(scene.names), float(scene.cycle))
+    return head + places + _codes(scene.names, doing, palette)
 
 
 @while_same
-def _codes(doing: Mapping[str, tuple[str, str]], palette: Palette) -> dict[str, tuple[int, int]]:
-    """Return the color of the active state and the number of the mode of each agent."""
-    return {
-        name: (
-            palette.index(state),
-            SHOWN_MODES.index(mode) + 1 if mode in SHOWN_MODES else 0,
-        )
-        for name, (mode, state) in doing.items()
-    }
+def _codes(
+    names: tuple[str, ...], doing: Mapping[str, tuple[str, str]], palette: Palette
+) -> bytes:
+    """Return the colors of the active states of things, then the numbers of their modes."""
+    nothing = ("", "")
+    shown = [doing.get(name, nothing) for name in names]
+    numbers = {mode: number for number, mode in enumerate(SHOWN_MODES, 1)}
+    colors = bytes([palette.index(state) for _, state in shown])
+    return colors + bytes([numbers.get(mode, 0) for mode, _ in shown])
 
 
 def said_message(scene: Scene) -> str:

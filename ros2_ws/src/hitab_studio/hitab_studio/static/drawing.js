@@ -8,6 +8,7 @@ export const STATE_COLORS = [
 ];
 const NAMED = 26; // maximum number of things for which all names are shown, not only the selected
 export const MANY = 120; // number of things above which they are drawn smaller
+const TINY = 2000; // number of visible things above which each is a square in the color of its state
 const SILENT = 5; // mode of an agent that does not answer
 export const KNOB = 4.5; // px; radius of the knob that turns a thing
 const HANDLE = 24; // px; from a thing's edge to its knob
@@ -23,12 +24,7 @@ export function draw(field) {
   if (!now) return;
   const at = (time - now.at) / now.gap;
   field.shown = field.cycleAt(at);
-  const screen = new Float32Array(3 * now.n);
-  for (let i = 0; i < now.n; i++) {
-    const [x, y, heading] = field.place(i, at);
-    const [px, py] = field.toScreen(x, y);
-    screen.set([px, py, heading], 3 * i);
-  }
+  const screen = field.onScreen(at);
   field.robots.drawScans(c);
   if (field.trails) drawTrails(field, c);
   drawOrders(field, c, screen, time);
@@ -81,61 +77,77 @@ export function fill(field, i) {
 }
 
 function drawThings(field, c, screen) {
+  const visible = field.order.filter((i) => {
+    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
+    return px >= -30 && py >= -30 && px <= field.width + 30 && py <= field.height + 30;
+  });
+  const marked = new Set([...field.chosen].map((name) => field.index.get(name))).add(field.hovered);
+  const tiny = visible.length > TINY;
+  for (const i of visible) {
+    if (tiny && field.now.modes[i] < 3 && !marked.has(i)) drawSquare(field, c, screen, i);
+    else drawThing(field, c, screen, i);
+  }
+}
+
+function drawSquare(field, c, screen, i) {
+  const radius = field.radius(i);
+  c.fillStyle = fill(field, i);
+  c.fillRect(screen[3 * i] - radius, screen[3 * i + 1] - radius, 2 * radius, 2 * radius);
+}
+
+function drawThing(field, c, screen, i) {
   const { now } = field;
   const many = now.n > MANY;
-  for (const i of field.order) {
-    const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
-    if (px < -30 || py < -30 || px > field.width + 30 || py > field.height + 30) continue;
-    const radius = field.radius(i);
-    const look = field.looks[i];
-    const mode = now.modes[i];
-    if (mode === 3 || mode === 4) {
-      c.strokeStyle = mode === 3 ? field.colors.training : field.colors.testing;
-      c.lineWidth = 3;
-      c.beginPath();
-      c.arc(px, py, radius + 4.5, 0, 2 * Math.PI);
-      c.stroke();
-    }
-    const silent = mode === SILENT;
-    c.fillStyle = silent ? field.colors.faint : fill(field, i);
-    c.globalAlpha = silent ? 0.3 : look.opacity;
+  const [px, py, heading] = screen.subarray(3 * i, 3 * i + 3);
+  const radius = field.radius(i);
+  const look = field.looks[i];
+  const mode = now.modes[i];
+  if (mode === 3 || mode === 4) {
+    c.strokeStyle = mode === 3 ? field.colors.training : field.colors.testing;
+    c.lineWidth = 3;
     c.beginPath();
-    if (look.shape === "square") c.rect(px - radius, py - radius, 2 * radius, 2 * radius);
-    else if (look.faces && many) dart(c, px, py, 1.5 * radius, -heading);
-    else c.arc(px, py, radius, 0, 2 * Math.PI);
-    c.fill();
-    c.globalAlpha = 1;
-    if (silent) {
-      c.strokeStyle = field.colors.faint;
-      c.lineWidth = 1.5;
-      c.setLineDash([3, 3]);
-      c.stroke();
-      c.setLineDash([]);
-    }
-    if (look.shape === "ball") {
-      c.strokeStyle = field.colors.ink;
-      c.lineWidth = 1;
-      c.stroke();
-    }
-    if (look.faces && !many) {
-      c.strokeStyle = field.colors.ink;
-      c.lineWidth = 2;
-      c.lineCap = "round";
-      c.beginPath();
-      c.moveTo(px + 0.35 * radius * Math.cos(heading), py - 0.35 * radius * Math.sin(heading));
-      c.lineTo(px + 1.65 * radius * Math.cos(heading), py - 1.65 * radius * Math.sin(heading));
-      c.stroke();
-    }
-    const chosen = field.chosen.has(field.roster.names[i]);
-    if (chosen || i === field.hovered) {
-      c.strokeStyle = chosen ? field.colors.accent : field.colors.faint;
-      c.lineWidth = 2;
-      c.setLineDash(chosen ? [] : [3, 3]);
-      c.beginPath();
-      c.arc(px, py, radius + (mode === 3 || mode === 4 ? 8.5 : 5), 0, 2 * Math.PI);
-      c.stroke();
-      c.setLineDash([]);
-    }
+    c.arc(px, py, radius + 4.5, 0, 2 * Math.PI);
+    c.stroke();
+  }
+  const silent = mode === SILENT;
+  c.fillStyle = silent ? field.colors.faint : fill(field, i);
+  c.globalAlpha = silent ? 0.3 : look.opacity;
+  c.beginPath();
+  if (look.shape === "square") c.rect(px - radius, py - radius, 2 * radius, 2 * radius);
+  else if (look.faces && many) dart(c, px, py, 1.5 * radius, -heading);
+  else c.arc(px, py, radius, 0, 2 * Math.PI);
+  c.fill();
+  c.globalAlpha = 1;
+  if (silent) {
+    c.strokeStyle = field.colors.faint;
+    c.lineWidth = 1.5;
+    c.setLineDash([3, 3]);
+    c.stroke();
+    c.setLineDash([]);
+  }
+  if (look.shape === "ball") {
+    c.strokeStyle = field.colors.ink;
+    c.lineWidth = 1;
+    c.stroke();
+  }
+  if (look.faces && !many) {
+    c.strokeStyle = field.colors.ink;
+    c.lineWidth = 2;
+    c.lineCap = "round";
+    c.beginPath();
+    c.moveTo(px + 0.35 * radius * Math.cos(heading), py - 0.35 * radius * Math.sin(heading));
+    c.lineTo(px + 1.65 * radius * Math.cos(heading), py - 1.65 * radius * Math.sin(heading));
+    c.stroke();
+  }
+  const chosen = field.chosen.has(field.roster.names[i]);
+  if (chosen || i === field.hovered) {
+    c.strokeStyle = chosen ? field.colors.accent : field.colors.faint;
+    c.lineWidth = 2;
+    c.setLineDash(chosen ? [] : [3, 3]);
+    c.beginPath();
+    c.arc(px, py, radius + (mode === 3 || mode === 4 ? 8.5 : 5), 0, 2 * Math.PI);
+    c.stroke();
+    c.setLineDash([]);
   }
 }
 
@@ -182,8 +194,9 @@ function drawHandles(field, c, screen) {
 function drawNames(field, c, screen) {
   const { now, roster, chosen, hovered } = field;
   const important = (i) => (chosen.has(roster.names[i]) ? 2 : i === hovered ? 1 : 0);
-  const wanted = [...now.colors.keys()].filter(
-    (i) => important(i) || (now.n <= NAMED && field.looks[i].labelled),
+  const named = now.n <= NAMED ? now.colors.keys() : [...chosen].map((name) => field.index.get(name));
+  const wanted = [...new Set([...named, hovered])].filter(
+    (i) => i >= 0 && i < now.n && (important(i) || field.looks[i].labelled),
   );
   wanted.sort((a, b) => important(b) - important(a));
   const taken = [];

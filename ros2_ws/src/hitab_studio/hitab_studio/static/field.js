@@ -11,6 +11,7 @@ const BESIDE = 46; // px; at either side, for the buttons at the right
 const JUMP = 2.5; // m; a thing that moves farther in a cycle was placed, and is not interpolated
 const CALL_MS = 1400;
 const TRAIL = 90;
+const SLOW_MS = 16;
 const SMALL = 26; // number of things above which they are drawn smaller
 
 class Field {
@@ -168,16 +169,30 @@ class Field {
     return between ? Math.round(before.cycle + (now.cycle - before.cycle) * at) : now.cycle;
   }
 
+  // Returns the screen coordinates and the heading of each thing.
+  onScreen(at) {
+    const { scale, x: left, y: top } = this.view;
+    const screen = new Float32Array(3 * this.now.n);
+    for (let i = 0; i < screen.length; i += 3) {
+      const [x, y, heading] = this.place(i / 3, at);
+      screen[i] = left + x * scale;
+      screen[i + 1] = top - y * scale;
+      screen[i + 2] = heading;
+    }
+    return screen;
+  }
+
   place(i, at) {
     const { now, before } = this;
-    const [x, y, heading] = now.places.subarray(3 * i, 3 * i + 3);
+    const k = 3 * i;
+    const [x, y, heading] = [now.places[k], now.places[k + 1], now.places[k + 2]];
     if (this.drag?.moved) {
       const [dragged, turned] = [this.drag.places.get(i), this.drag.headings.get(i)];
       if (dragged) return [...dragged, heading];
       if (turned !== undefined) return [x, y, turned];
     }
     if (!before || before.n !== now.n || at >= 1) return [x, y, heading];
-    const [x0, y0, heading0] = before.places.subarray(3 * i, 3 * i + 3);
+    const [x0, y0, heading0] = [before.places[k], before.places[k + 1], before.places[k + 2]];
     if (Math.abs(x - x0) > JUMP || Math.abs(y - y0) > JUMP) return [x, y, heading];
     const turn = Math.atan2(Math.sin(heading - heading0), Math.cos(heading - heading0));
     return [x0 + (x - x0) * at, y0 + (y - y0) * at, heading0 + turn * at];
@@ -220,10 +235,15 @@ class Field {
   redraw() {
     if (this.waiting) return;
     this.waiting = true;
-    requestAnimationFrame(() => {
+    const now = () => {
       this.waiting = false;
+      const began = performance.now();
       draw(this);
-    });
+      this.took = performance.now() - began;
+    };
+    // After a drawing that takes long, the browser has as much time for messages and input.
+    if (this.took > SLOW_MS) setTimeout(() => requestAnimationFrame(now), this.took);
+    else requestAnimationFrame(now);
   }
 
   // -- input

@@ -27,7 +27,6 @@ from hitab_ros import EmergencySwitch, names, qos
 from hitab_ros.timing import FOUND_S, HEARTBEAT_S, SETTLE_S
 from hitab_studio.field.markers import Markers
 from hitab_studio.field.remembered_scenes import RememberedScenes
-from hitab_studio.field.scene import scene_of
 from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.swarm.agent_watch import AgentWatch
@@ -59,14 +58,25 @@ class Connected:
     ended: str = ""
 
     @classmethod
-    def to(cls, target: SwarmTarget, link: RosLink) -> Connected:
-        """Return the connection to a swarm over this link."""
+    def to(
+        cls,
+        target: SwarmTarget,
+        link: RosLink,
+        read_state: Callable[[bytes], Any] | None = None,
+    ) -> Connected:
+        """Return the connection to a swarm over this link; see `WorldClient`."""
         space, identity = target.namespace, target.identity
         return cls(
             target,
             link,
             SwarmClient(link, target.agents, prefix=space, identity=identity),
-            WorldClient(link, prefix=space, identity=identity, started_by_it=target.world),
+            WorldClient(
+                link,
+                prefix=space,
+                identity=identity,
+                started_by_it=target.world,
+                read_state=read_state,
+            ),
         )
 
 
@@ -135,7 +145,7 @@ class Observer:
             return
         self._shown = state
         self._signs.hear_known([names.WORLD])
-        before, scene = self.known.scene, scene_of(state)
+        before, scene = self.known.scene, state.scene
         self._remembered.see(scene)
         if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
             self._know(scene=scene)

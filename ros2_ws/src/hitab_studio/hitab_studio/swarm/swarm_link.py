@@ -20,6 +20,7 @@ from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns
 from hitab_ros.timing import AT_ONCE_S, REMIND_S, REPEAT_S, TURN_S
+from hitab_studio.field.scene_reader import SceneReader
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm.observer import Connected as Connected
 from hitab_studio.swarm.observer import Observer
@@ -230,7 +231,7 @@ class SwarmLink:
 
     async def _connect(self, target: SwarmTarget) -> None:
         with await asyncio.to_thread(RosLink, target.domain_id, name=STUDIO_NODE) as link:
-            await self._use(target, Connected.to(target, link))
+            await self._use(target, Connected.to(target, link, SceneReader()))
 
     async def _use(self, target: SwarmTarget, swarm: Connected) -> None:
         why = "The connection was lost meanwhile: check whether it was done."
