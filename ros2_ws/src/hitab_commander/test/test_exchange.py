@@ -199,3 +199,18 @@ def test_agents_of_different_cycles_report_them_themselves(team):
     team.until(lambda: body.members["a"].cycle == cycle)
     assert first.batches[before:]
     assert body.members["b"].cycle == 1
+
+
+def test_an_observer_finds_the_reports_of_all_hosts_on_the_commanders_topic(team):
+    first, second = two_hosts(team)
+    shown: list[msg.Report] = []
+    team.link.create_subscription(
+        msg.Reports, f"/chief/{names.REPORTS}", lambda m: shown.extend(m.reports), qos.EVENTS
+    )
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Attack", "Search")
+    team.until(lambda: "/chief/reports" in {p.topic_name for p in team.nodes["chief"].publishers})
+    all_perform(team, "Retreat", "Home")
+    team.until(lambda: {r.agent for r in shown if r.path[:1] == ["Home"]} == {"a", "b"})
+    assert not team.statuses["chief"].faults
