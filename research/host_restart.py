@@ -27,6 +27,7 @@ import typer
 from swarms import ORDERS, description
 
 BEFORE_S, ORDER_AFTER_S, CALM_S, OVER_MAX_S, LOOK_S = 8, 0.5, 6.0, 120.0, 0.05
+FORGOTTEN_S = 24.0  # after which others have dropped a process that has died
 BUSY_LOOPS = 4
 NEVER = float("inf")
 
@@ -38,7 +39,7 @@ class Answers:
 
     Attributes:
         agents: the agents of each host.
-        rosters: the number of each host's roster to which the last answer referred, and since when.
+        rosters: number of the roster to which each host's last answer referred, and since when.
     """
 
     def __init__(self, link: Any) -> None:
@@ -165,7 +166,7 @@ def measure(running: Any, answers: Answers, kind: str, lasts_s: float, order: st
         number, since = answers.rosters[failed]
         times["acts again"] = since if number != roster else NEVER
         needed = {**times, "acts again": 0.0} if number == roster else times
-        return answers.now > max(lasts_s, *needed.values()) + CALM_S
+        return answers.now > max(lasts_s, FORGOTTEN_S, *needed.values()) + CALM_S
 
     with failure(kind, psutil.Process(pid)):
         link.spin_until(lambda: bool(look() or answers.now >= lasts_s), OVER_MAX_S, LOOK_S)
@@ -198,7 +199,9 @@ def main(
         swarm = parse_swarm(description(agents, hosts), Path(place) / "scale.yaml")
         with temporary_swarm(swarm, Path(place) / "run") as running:
             answers = Answers(running.link)
-            running.link.spin_until(lambda: len(answers.agents.keys() & answers.rosters) == hosts, 30.0, LOOK_S)
+            running.link.spin_until(
+                lambda: len(answers.agents.keys() & answers.rosters) == hosts, 30.0, LOOK_S
+            )
             for number, text in enumerate(failures.split(",")):
                 kind, _, lasts_s = text.partition(":")
                 order = ORDERS[(number + 1) % len(ORDERS)]
