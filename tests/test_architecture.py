@@ -49,7 +49,7 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2750,
+    "hitab_agent": 2760,
     "hitab_bringup": 2250,
     "hitab_class": 200,
     "hitab_cli": 2900,
@@ -64,7 +64,7 @@ BUDGET = {
     "hitab_studio": 4450,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 30600,
+    "tests": 30650,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
