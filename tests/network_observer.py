@@ -3,7 +3,7 @@
 Arguments: the folder to write into, then names of agents. What each was last heard to perform is
 in the folder's file ``performed.json``. A line ``COMMANDER BEHAVIOR`` in its file ``orders`` is
 carried out, and the answer written into ``answered``. Which squads this machine knows to be there
-is in ``known.json``, and the order of each commander that all of its group obey in ``obeyed.json``.
+is in ``known.json``; ``obeyed.json`` has the order of each commander that all of its group obey.
 """
 
 from __future__ import annotations
