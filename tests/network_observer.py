@@ -3,7 +3,7 @@
 Arguments: the folder to write into, then names of agents. What each was last heard to perform is
 in the folder's file ``performed.json``. A line ``COMMANDER BEHAVIOR`` in its file ``orders`` is
 carried out, and the answer written into ``answered``. Which squads this machine knows to be there
-is in ``known.json``.
+is in ``known.json``; ``obeyed.json`` has the order of each commander that all of its group obey.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ def start(spinning: Spinner) -> None:
     folder, agents = Path(sys.argv[1]), sys.argv[2:]
     node = make_node("observer")
     performed: dict[str, str] = {}
+    obeyed: dict[str, str] = {}
     clients: dict[str, Any] = {}
     done: list[str] = []
 
@@ -37,6 +38,11 @@ def start(spinning: Spinner) -> None:
     def hear(status: msg.AgentStatus) -> None:
         performed[status.agent] = status.behavior
         write("performed.json", performed)
+
+    def hear_group(group: msg.CommanderStatus) -> None:
+        all_obey = all(one.obeys and not one.silent for one in group.subordinates)
+        obeyed[group.commander] = group.order if all_obey else ""
+        write("obeyed.json", obeyed)
 
     def look() -> None:
         known = [a for a in SQUADS if node.count_publishers(f"/{a}/{names.STATUS}")]
@@ -55,6 +61,9 @@ def start(spinning: Spinner) -> None:
 
     for agent in agents:
         node.create_subscription(msg.AgentStatus, f"/{agent}/{names.STATUS}", hear, qos.LATCHED)
+    for commander in ("root", *SQUADS):
+        topic = f"/{commander}/{names.GROUP}"
+        node.create_subscription(msg.CommanderStatus, topic, hear_group, qos.LATCHED)
     node.create_timer(0.05, look)
     spinning.executor.add_node(node)
 

@@ -49,7 +49,7 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2750,
+    "hitab_agent": 2800,
     "hitab_bringup": 2400,
     "hitab_class": 200,
     "hitab_cli": 2950,
@@ -64,7 +64,7 @@ BUDGET = {
     "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 30800,
+    "tests": 30850,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import array
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from hitab_client.runs.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core.operations import Perform
-from hitab_ros import EmergencySwitch
+from hitab_ros import EmergencySwitch, names
 from hitab_ros.nodes.fault_texts import STOPPED
 
 SECONDS = 60.0
@@ -94,6 +94,16 @@ def logs(running: RunningSwarm) -> dict[str, int]:
     return {path.name: path.stat().st_size for path in (running.folder.path / "logs").iterdir()}
 
 
+def between_hosts(sent: Iterable[str]) -> set[str]:
+    """Return the topics of the swarm and of each host on which hosts hear others."""
+    hosts = {topic.split("/")[1] for topic in sent if topic.startswith("/host_of_")}
+    assert len(hosts) > 1
+    of_swarm = {names.HOSTS, names.STATUSES, names.COMMANDS, names.ALIVE}
+    return {f"/{name}" for name in of_swarm} | {
+        f"/{host}/{name}" for host in hosts for name in (names.ORDERS, names.REPORTS)
+    }
+
+
 @contextlib.contextmanager
 def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[RunningSwarm]:
     """Bring a swarm up, send it whatever there is, and check that it is as it was."""
@@ -114,6 +124,9 @@ def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[Runni
             fuzzer.run(seconds)
             fuzzer.close()
         print(f"sent {sum(fuzzer.sent.values())} to {len(fuzzer.sent)}: {fuzzer.sent}")
+        assert fuzzer.sent.keys() >= between_hosts(fuzzer.sent), (
+            "not all that hosts hear was tried"
+        )
         print(f"answered {fuzzer.answered}, not {fuzzer.unanswered}; logs {logs(running)}")
         assert pids(running) == before, "a process has ended"
         assert files(folder, run) == files_before, "something was written outside the run folder"

@@ -114,6 +114,12 @@ class Machines:
         found: list[str] = json.loads((self.folder / f"machine_{host}" / "known.json").read_text())
         return found
 
+    def obey(self, order: str) -> bool:
+        """Whether all commanders report, as seen from the first machine, that all obey."""
+        file = self.folder / "machine_1" / "obeyed.json"
+        obeyed = json.loads(file.read_text()) if file.exists() else {}
+        return len(obeyed) == 1 + len(HOSTS) and set(obeyed.values()) == {order}
+
     def order(self, order: str) -> None:
         """Have the root order something."""
         with (self.folder / "machine_1" / "orders").open("a") as file:
@@ -174,3 +180,12 @@ def test_a_swarm_obeys_over_a_network_that_loses_and_breaks(machines: Machines) 
     machines.order("Run")
     machines.until(machines.perform("Run"))
     assert 0.02 < counts["lost"] / (counts["lost"] + counts["passed"]) < 0.08
+
+
+def test_orders_and_reports_arrive_though_a_fifth_of_all_frames_is_lost(tmp_path: Path) -> None:
+    with LossyNetwork(len(HOSTS), DELAY_S, 0.2) as network:
+        machines = Machines(tmp_path, network)
+        for order in ("Spread", "Run", "Halt"):
+            machines.order(order)
+            machines.until(machines.perform(order))
+            machines.until(lambda order=order: machines.obey(order))

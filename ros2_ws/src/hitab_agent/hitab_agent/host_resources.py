@@ -91,7 +91,7 @@ class HostResources:
         self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
         self._readers: dict[int, LibraryReader] = {}
         if rosters is not None:
-            self.roster = RosterTopic(node, self.nodes, swarm, rosters)
+            self.roster = RosterTopic(node, self.nodes, swarm, rosters, self.scheduler)
             self.batches = StatusBatches(node, self.nodes, self.scheduler)
             CommandsToMany(node, self.nodes)
             node.guard.faults.changed = self._publish_all_soon

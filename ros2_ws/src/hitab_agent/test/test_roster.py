@@ -10,6 +10,7 @@ from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
 from hitab_agent.host.roster_topic import RosterTopic
+from hitab_agent.scheduler import Scheduler
 from hitab_core.texts.errors import HitabError
 from hitab_ros import HostRosters, check_name_is_free, names
 from hitab_ros.nodes.guarded_node import GuardedNode
@@ -57,7 +58,7 @@ def test_an_agent_that_runs_in_another_host_does_not_start_and_of_two_at_once_bo
     agents = [SimpleNamespace(agent_name=name) for name in ("a", "b", "c")]
     one, other = desk_of(process, "a"), desk_of(process, "b")
     rosters = [
-        RosterTopic(desk, theirs, "red-1", HostRosters(desk, f"/{names.HOSTS}"))
+        RosterTopic(desk, theirs, "red-1", HostRosters(desk, f"/{names.HOSTS}"), Scheduler(desk))
         for desk, theirs in ((one, agents[:2]), (other, agents[1:]))
     ]
     for roster in rosters:

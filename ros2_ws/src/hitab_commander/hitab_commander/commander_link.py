@@ -116,7 +116,10 @@ class CommanderLink:
     def _on_reports(self, reports: Sequence[Report | msg.Report], process: str) -> None:
         self._hear(reports, process)
         if self._reports.is_listened_to:
-            shown = [message_of(msg.Report, report) for report in reports]
+            shown = [
+                report if isinstance(report, msg.Report) else message_of(msg.Report, report)
+                for report in reports
+            ]
             self._reports.publish(msg.Reports(reports=shown, process=self._node.shared.name))
 
     def _hear(self, reports: Sequence[Report | msg.Report], process: str) -> None:

@@ -208,3 +208,37 @@ def test_agents_of_different_cycles_report_them_themselves(team):
     team.until(lambda: body.members["a"].cycle == cycle)
     team.until(lambda: first.batches[before:])
     assert body.members["b"].cycle == 1
+
+
+def test_an_observer_finds_the_reports_of_all_hosts_on_the_commanders_topic(team):
+    first, second = two_hosts(team)
+    shown: list[msg.Report] = []
+    team.link.create_subscription(
+        msg.Reports, f"/chief/{names.REPORTS}", lambda m: shown.extend(m.reports), qos.EVENTS
+    )
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Attack", "Search")
+    team.until(lambda: "/chief/reports" in {p.topic_name for p in team.nodes["chief"].publishers})
+    all_perform(team, "Retreat", "Home")
+    team.until(lambda: {r.agent for r in shown if r.path[:1] == ["Home"]} == {"a", "b"})
+    assert not team.statuses["chief"].faults
+
+
+@pytest.mark.parametrize(
+    ("host", "agents"), [("nowhere", ["b", "chief"]), ("second", []), ("first", ["stranger"])]
+)
+def test_a_wrong_roster_misleads_nobody_for_longer_than_it_is_sent(team, host, agents):
+    first, second = two_hosts(team)
+    first.publish_roster()
+    second.publish_roster()
+    all_perform(team, "Attack", "Search")
+    wrong = team.link.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    team.until(lambda: wrong.get_subscription_count() == 2)
+    number = second.shared.roster.number + 10**9
+    wrong.publish(msg.HostRoster(host=host, number=number, agents=agents, swarm="team"))
+    # Nobody is there who could say whether it was received.
+    team.holds(lambda: False, 0.5)
+    team.link.destroy_publisher(wrong)
+    all_perform(team, "Retreat", "Home")
+    all_perform(team, "Attack", "Search")

@@ -124,7 +124,8 @@ class HostRosters:
     Attributes:
         changed: functions that are called with each accepted roster.
         members: the names of each host's agents and commanders, by host.
-        host_of: the host of each agent and commander, by name.
+        hosts_of: the hosts that list each agent and commander, by name; several if a roster is
+            wrong, or the same agent runs twice.
     """
 
     def __init__(
@@ -134,7 +135,7 @@ class HostRosters:
         accept: Callable[[HostRoster], bool] = lambda roster: True,
     ) -> None:
         self.members: dict[str, tuple[str, ...]] = {}
-        self.host_of: dict[str, str] = {}
+        self.hosts_of: dict[str, tuple[str, ...]] = {}
         self._numbers: dict[str, int] = {}
         self._accept = accept
         self.changed: list[Callable[[HostRoster], object]] = []
@@ -148,10 +149,12 @@ class HostRosters:
             return
         self._numbers[host] = roster.number
         for name in self.members.get(host, ()):
-            if self.host_of.get(name) == host:
-                del self.host_of[name]
-        self.members[host] = tuple(roster.agents)
-        self.host_of.update(dict.fromkeys(roster.agents, host))
+            self.hosts_of[name] = tuple(other for other in self.hosts_of[name] if other != host)
+            if not self.hosts_of[name]:
+                del self.hosts_of[name]
+        self.members[host] = tuple(dict.fromkeys(roster.agents))
+        for name in self.members[host]:
+            self.hosts_of[name] = (*self.hosts_of.get(name, ()), host)
         for changed in self.changed:
             changed(roster)
 

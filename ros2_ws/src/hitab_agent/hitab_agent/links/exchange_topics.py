@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 from hitab_msgs import msg
@@ -43,7 +43,8 @@ class ExchangeTopics:
     """Sends orders and reports to other processes, and receives theirs.
 
     A host sends to another host on that host's topics, for all its agents and commanders. Their
-    rosters tell who lives there. To and from a process of its own, a commander's topics are used.
+    rosters tell who lives there, and only hosts that listen are believed. To and from a process
+    of its own, a commander's topics are used.
 
     What is sent before its receiver is connected is lost, and not missed: a commander repeats its
     order until each subordinate has reported that it knows the order.
@@ -61,10 +62,11 @@ class ExchangeTopics:
         self._ends = ends
         self._soon = soon
         self._process = names.own_name(node)
-        self._host_of: Mapping[str, str] = {}
+        self._hosts_of: Mapping[str, tuple[str, ...]] = {}
         self._is_host = False
         self._sought: set[str] = set()
         self._hosts: set[str] = set()  # other hosts
+        self._unconnected: set[tuple[Any, str]] = set()  # types and topics of other hosts
         self._publishers: dict[str, Any] = {}
         self._orders: dict[str, dict[str, Order]] = {}  # by host and commander
 
@@ -72,7 +74,7 @@ class ExchangeTopics:
         """Listen to other hosts."""
         create = self._node.create_subscription
         self._is_host = True
-        self._host_of = rosters.host_of
+        self._hosts_of = rosters.hosts_of
         rosters.changed.append(self._on_roster)
         create(msg.Orders, self._topic(self._process, names.ORDERS), self._on_orders, qos.EVENTS)
         create(
@@ -98,9 +100,13 @@ class ExchangeTopics:
             self._connect(commander)
 
     def _look(self) -> None:
-        """Look for the topics of commanders that are in no host."""
+        """Look for the topics of hosts, and of commanders that are in none."""
+        self._connect_to_hosts()
         self._sought -= {*filter(self._ends.is_here, self._sought)}
-        for commander in self._sought - self._host_of.keys():
+        for commander in [*self._sought]:
+            hosts = self._others_of([commander])
+            if any(self._listens(self._topic(host, names.REPORTS)) for host in hosts):
+                continue
             if self._node.count_publishers(self._topic(commander, names.ORDER)):
                 self._sought.remove(commander)
                 self._connect(commander)
@@ -114,11 +120,25 @@ class ExchangeTopics:
             qos.LATCHED,
         )
 
+    def _others_of(self, members: Iterable[str]) -> set[str]:
+        """Return the other hosts that list one of these agents or commanders."""
+        return {h for name in members for h in self._hosts_of.get(name, ())} - {self._process}
+
+    def _listens(self, topic: str) -> bool:
+        return self._node.count_subscribers(topic) > 0
+
+    def _connect_to_hosts(self) -> None:
+        for kind, topic in [*self._unconnected]:
+            if self._listens(topic):
+                self._unconnected.remove((kind, topic))
+                self._publisher(kind, topic)
+
     # -- orders -----------------------------------------------------------------------------
 
     def give(self, commander: str, order: Order, members: Collection[str]) -> None:
         """Send an order to all other hosts in which subordinates live."""
-        hosts = {self._host_of.get(name, self._process) for name in members} - {self._process}
+        topics = {h: self._topic(h, names.ORDERS) for h in self._others_of(members)}
+        hosts = [host for host, topic in topics.items() if topic in self._publishers]
         if hosts and not self._orders:
             self._soon.call(self._send_orders)
         for host in hosts:
@@ -131,8 +151,7 @@ class ExchangeTopics:
                 message_of(msg.Order, order, commander=commander, order=order.name)
                 for commander, order in orders.items()
             ]
-            publisher = self._publisher(msg.Orders, self._topic(host, names.ORDERS))
-            publisher.publish(msg.Orders(orders=batch))
+            self._publishers[self._topic(host, names.ORDERS)].publish(msg.Orders(orders=batch))
 
     def _on_orders(self, message: msg.Orders) -> None:
         for order in message.orders:
@@ -149,29 +168,32 @@ class ExchangeTopics:
         for commander, reports in waiting.items():
             if self._ends.is_here(commander):
                 continue
-            topic = self._topic(self._host_of.get(commander, commander), names.REPORTS)
-            if commander in self._host_of or topic in self._publishers:
-                batches.setdefault(topic, []).extend(reports)
+            for receiver in {commander, *self._others_of([commander])}:
+                topic = self._topic(receiver, names.REPORTS)
+                if topic in self._publishers:
+                    batches.setdefault(topic, []).extend(reports)
         for topic, batch in batches.items():
             self._node.guard.run(f"reports on {topic}", self._send_reports, topic, batch)
 
     def _send_reports(self, topic: str, batch: Sequence[Report]) -> None:
         reports = [message_of(msg.Report, report) for report in batch]
-        publisher = self._publisher(msg.Reports, topic)
-        publisher.publish(msg.Reports(process=self._process, reports=reports))
+        self._publishers[topic].publish(msg.Reports(process=self._process, reports=reports))
 
     def _on_reports(self, message: msg.Reports) -> None:
         self._ends.sort(message.reports, message.process)
 
     def _on_roster(self, roster: msg.HostRoster) -> None:
         # Connecting takes time, and in lockstep the first order is already waited for.
-        for kind, name, others in (
-            (msg.Orders, names.ORDERS, self._ends.subordinates),
-            (msg.Reports, names.REPORTS, self._ends.superiors),
-        ):
-            for host in {self._host_of.get(other, self._process) for other in others}:
-                if host != self._process:
-                    self._publisher(kind, self._topic(host, name))
+        self._unconnected = {
+            (kind, topic)
+            for kind, name, others in (
+                (msg.Orders, names.ORDERS, self._ends.subordinates),
+                (msg.Reports, names.REPORTS, self._ends.superiors),
+            )
+            for host in self._others_of(others)
+            if (topic := self._topic(host, name)) not in self._publishers
+        }
+        self._connect_to_hosts()
         if roster.host in self._hosts:
             self._ends.restarted(roster.agents)
         elif roster.host != self._process:

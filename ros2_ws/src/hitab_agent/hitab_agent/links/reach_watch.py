@@ -33,8 +33,7 @@ class ReachWatch:
 
     def _hear(self, sign: msg.Alive) -> None:
         commander = self._commander
-        process = self._rosters.host_of.get(commander, commander)
-        if not commander or sign.process == process:
+        if not commander or sign.process in self._rosters.hosts_of.get(commander, (commander,)):
             self._presence.hear(self._who)
 
     def _look(self) -> None:

@@ -33,7 +33,7 @@ from hitab_client.runs.run_folder import MARK
 from hitab_client.runs.run_processes import ENDED_STATES, answers, process_states
 from hitab_client.runs.swarm_choice import way_to_stop
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
-from hitab_ros.timing import ANSWER_S
+from hitab_ros.timing import ANSWER_S, PROMPT_S
 
 
 def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[str, str]:
@@ -135,12 +135,12 @@ def _end_with_parent() -> None:
 def _await_answer(
     supervisor: subprocess.Popen[bytes], record: RunRecord, folder: RunFolder
 ) -> None:
-    """Wait until the supervisor answers; its socket file exists earlier.
+    """Wait until the supervisor answers, which it does once it has started all processes.
 
     Raises:
         SwarmError: if the supervisor does not answer; its processes are stopped.
     """
-    deadline = time.monotonic() + 15
+    deadline = time.monotonic() + ANSWER_S + PROMPT_S * len(record.processes)
     while not answers(record):
         if supervisor.poll() is not None or time.monotonic() > deadline:
             out = (folder.path / "supervisord.out").read_text(errors="replace").strip()

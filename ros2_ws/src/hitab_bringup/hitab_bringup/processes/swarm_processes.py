@@ -22,7 +22,7 @@ from hitab_ros.names import WORLD
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
-ALL_ENDPOINTS_MAX = 25
+ALL_ENDPOINTS_MAX = 10
 """Number of agents and commanders up to which hosts open all of their endpoints at once, so that
 ROS's tools list them; more would make the start noticeably longer."""
 
