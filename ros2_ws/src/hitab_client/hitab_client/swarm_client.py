@@ -266,7 +266,7 @@ class SwarmClient(AgentPresence):
             self._loading(host),
             srv.LoadLibrary.Request(by=self.demonstrator),
             missing=lambda: self._absence(member, DISCOVERY_S),
-            seconds=ANSWER_S,
+            seconds=ANSWER_S + self.more_seconds,
             over=lambda: self.processes.is_lost(member),
         )
 
