@@ -49,7 +49,7 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2750,
+    "hitab_agent": 2780,
     "hitab_bringup": 2250,
     "hitab_class": 200,
     "hitab_cli": 2900,
