@@ -112,7 +112,7 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
     assert "4 examples, 1 overruled by a command" in told[3]
     assert "DirectionTo(X)  circular" in told[4]
     assert "ByHand.hfa.yaml" in told[7]
-    assert told[8] == "keeper_2: has it\n"
+    assert told[8] == "keeper_2: accepted\n"
     listed = hitab("examples", "list", ONE, "ByHand", "--json", str(tmp_path / "e.json"))
     assert listed.returncode == 0
     assert "2 examples" in listed.stdout

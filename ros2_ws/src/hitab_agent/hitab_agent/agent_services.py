@@ -15,11 +15,11 @@ from hitab_msgs import msg, srv
 
 from hitab_agent.endpoints import HeardTopic, OfferedService
 from hitab_agent.node.agent_base import AgentBase
-from hitab_core import HitabError, operations
+from hitab_core import HitabError, each_once, operations, some
 from hitab_core.codec import from_dict
 from hitab_core.training.operation import Operation
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.answering import refuse
+from hitab_ros.answering import answering, refuse, what_went_wrong
 from hitab_ros.messages.checks import BadMessage, check
 from hitab_ros.messages.conversions import message_of
 
@@ -70,6 +70,32 @@ class CommandsToMany:
         for node in self._nodes:
             if (command := commands.get(node.agent_name)) is not None:
                 node.guard.run("topic commands", obey, node, command)
+
+
+def offer_loading(host: GuardedNode, nodes: Sequence[AgentBase]) -> None:
+    """Offer a service of a host that loads the libraries of all of its agents.
+
+    Asking each agent's own service would cost the swarm four endpoints an agent.
+
+    Args:
+        host: a node of the host, in its own namespace.
+        nodes: the nodes of its agents, read at each request.
+    """
+
+    def load(request: Any, response: Any) -> str:
+        done: list[tuple[str, str]] = []
+        refused: list[tuple[str, str]] = []
+        for node in nodes:
+            try:
+                outcome = node.do(from_dict(operations.LoadLibrary, request))
+                done.append((node.agent_name, outcome.message))
+            except Exception as error:  # of this agent only
+                refused.append((node.agent_name, what_went_wrong(error)))
+        if refused:
+            raise HitabError(some(each_once(refused), between="; "))
+        return some(each_once(done), between="; ")
+
+    host.create_service(srv.LoadLibrary, operations.LoadLibrary.name, answering(load))
 
 
 class AgentServices:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from hitab_ros import GuardedNode
 
@@ -55,6 +55,9 @@ class Endpoint:
         if end is not None:
             self._destroy(end)
 
+    def repeat(self, observer: Node) -> None:
+        """Send again what is latched, to those who may have missed it."""
+
     def is_asked_for(self, observer: Node) -> bool:
         """Whether somebody has an endpoint at the other end, as a node sees the ROS graph."""
         return self._others(observer) > self._own
@@ -81,11 +84,12 @@ class PublishedTopic(Endpoint):
         kind: type of the messages.
         name: name of the topic.
         profile: QoS profile.
-        opened: called when the publisher was created, for example to publish what is latched.
+        opened: called when the publisher was created.
         closed: called when it was destroyed.
+        latched: publishes what is latched.
     """
 
-    __slots__ = ("_closed", "_kind", "_opened", "_profile")
+    __slots__ = ("_closed", "_kind", "_latched", "_opened", "_profile")
 
     def __init__(
         self,
@@ -95,22 +99,30 @@ class PublishedTopic(Endpoint):
         profile: QoSProfile,
         opened: Callable[[], object] = _nothing,
         closed: Callable[[], object] = _nothing,
+        latched: Callable[[], object] = _nothing,
     ) -> None:
         super().__init__(node, name)
         self._kind, self._profile = kind, profile
-        self._opened, self._closed = opened, closed
+        self._opened, self._closed, self._latched = opened, closed, latched
 
     def open(self) -> None:
         """Create the publisher, unless it is there."""
         if self.end is None:
             super().open()
             self._opened()
+            self._latched()
 
     def close(self) -> None:
         """Destroy the publisher, unless it was."""
         if self.end is not None:
             super().close()
             self._closed()
+
+    def repeat(self, observer: Node) -> None:
+        """Publish again what is latched, if a subscriber does not ask for earlier messages."""
+        others = observer.get_subscriptions_info_by_topic(self.name)
+        if any(one.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL for one in others):
+            self._latched()
 
     def publish(self, message: Any) -> None:
         """Publish a message, if there is a publisher."""

@@ -16,6 +16,10 @@ UNUSED_LOOKS = 40
 """Looks after which an endpoint that nobody uses any more goes: ten seconds, since most people who
 ask once ask again."""
 
+REPEATING_LOOKS = 4
+"""Looks at which a new topic repeats what is latched: ``ros2 topic echo`` does not ask for earlier
+messages of a topic without a publisher, and misses what is sent before it has discovered one."""
+
 
 class EndpointsOnDemand:
     """Opens and closes the endpoints of a process's agents."""
@@ -30,6 +34,7 @@ class EndpointsOnDemand:
         self._host = host
         self._nodes: dict[str, AgentBase] = {}  # by namespace
         self._unused: dict[Endpoint, int] = {}  # looks since the last use of those that are open
+        self._new: dict[Endpoint, int] = {}  # looks since they were opened
         scheduler.every(POLL_S, self.look)
 
     def add(self, node: AgentBase) -> None:
@@ -38,6 +43,11 @@ class EndpointsOnDemand:
 
     def look(self) -> None:
         """Open what is asked for, and close what has not been used for a while."""
+        for endpoint in [*self._new]:
+            self._new[endpoint] += 1
+            if self._new[endpoint] >= REPEATING_LOOKS:
+                del self._new[endpoint]
+            endpoint.node.guard.run(endpoint.short_name, endpoint.repeat, self._host)
         for endpoint in [*self._unused]:
             unused = 0 if endpoint.is_asked_for(self._host) else self._unused[endpoint] + 1
             self._unused[endpoint] = unused
@@ -57,4 +67,4 @@ class EndpointsOnDemand:
         for endpoint in node.endpoints.find(name, is_service=is_service):
             if endpoint.end is None and endpoint.is_asked_for(self._host):
                 endpoint.open()
-                self._unused[endpoint] = 0
+                self._unused[endpoint] = self._new[endpoint] = 0

@@ -27,6 +27,7 @@ from hitab_ros import (
     check_name_is_free,
     give_signs_of_life,
     make_node,
+    names,
     run,
 )
 
@@ -53,7 +54,7 @@ def start(spinning: Spinner) -> None:
     # unique in the swarm, and the same in each run.
     desk = make_node(
         "host",
-        namespace=f"{namespace}/host_of_{entries[0].name}",
+        namespace=f"{namespace}/{names.of_host(entries[0].name)}",
         use_global_arguments=False,
     )
     spinning.executor.add_node(desk)

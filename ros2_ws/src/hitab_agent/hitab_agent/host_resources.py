@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from hitab_msgs.msg import HostRoster
 
-from hitab_agent.agent_services import CommandsToMany
+from hitab_agent.agent_services import CommandsToMany, offer_loading
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.host.roster_topic import RosterTopic
 from hitab_agent.host.status_batches import StatusBatches
@@ -94,6 +94,7 @@ class HostResources:
             self.roster = RosterTopic(node, self.nodes, swarm, rosters, self.scheduler)
             self.batches = StatusBatches(node, self.nodes, self.scheduler)
             CommandsToMany(node, self.nodes)
+            offer_loading(node, self.nodes)
             node.guard.faults.changed = self._publish_all_soon
 
     def _publish_all_soon(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -90,6 +91,39 @@ def test_a_late_subscriber_gets_the_status_as_it_is_and_each_later_one(host: Hos
     host.process.until(lambda: "something else" in came[-1].last_error)
     host.desk.destroy_subscription(end)
     host.process.until(lambda: host.ends("one") == set())
+
+
+def test_a_subscriber_that_asks_for_nothing_earlier_gets_the_status_again(host: Host) -> None:
+    volatile, latched = [], []
+    for came, profile in ((volatile, qos.EVENTS), (latched, qos.LATCHED)):
+        name = "one" if came is volatile else "two"
+        host.desk.create_subscription(
+            msg.AgentStatus, f"/{name}/status", came.append, profile, temporary=True
+        )
+    host.process.until(lambda: len(volatile) > endpoints_on_demand.REPEATING_LOOKS)
+    assert len({status.sequence for status in volatile}) == 1
+    assert len(latched) == 1
+
+
+def test_a_host_loads_the_libraries_of_its_agents_and_names_those_that_refuse(
+    host: Host, tmp_path: Path
+) -> None:
+    client = host.desk.create_client(srv.LoadLibrary, "/load_library")
+
+    def load(**fields: str) -> Any:
+        host.process.until(client.service_is_ready)
+        answer = client.call_async(srv.LoadLibrary.Request(**fields))
+        host.process.until(answer.done)
+        return answer.result()
+
+    done = load()
+    assert done.success
+    assert done.message == "one, two, three: 0 trained behaviors"
+    assert all(not host.ends(name) for name in AGENTS)
+    refused = load(path=str(tmp_path / "nothing"))
+    assert not refused.success
+    assert "one, two, three: " in refused.message
+    assert "is not a folder here" in refused.message
 
 
 def test_only_the_service_that_is_called_is_there(host: Host) -> None:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from hitab_core.assistant import TrainingCost
 
 SERVICES_PER_BATCH = 50
-"""Number of services called at the same time; a host creates each when its client appears."""
+"""Number of agents asked at the same time; a host creates each service when its client appears."""
 
 
 class SwarmClient(AgentPresence):
@@ -236,22 +236,48 @@ class SwarmClient(AgentPresence):
         return [from_dict(TrainingCost, cost) for cost in report.costs]
 
     def reload(self, agents: Sequence[str]) -> Iterator[tuple[str, str, bool]]:
-        """Make agents reload their libraries; yield each agent, its answer and its success."""
+        """Make agents reload their libraries; yield the answers, see `reloading`."""
         return map(self.link.run, self.reloading(agents))
 
     def reloading(self, agents: Sequence[str]) -> Iterator[Turns[tuple[str, str, bool]]]:
-        """Yield a coroutine per agent that reloads its library, to be awaited in turn."""
-        for start in range(0, len(agents), SERVICES_PER_BATCH):
-            together = agents[start : start + SERVICES_PER_BATCH]
+        """Yield coroutines that make agents reload their libraries, to be awaited in turn.
+
+        Each returns the name of an agent, its answer, and whether it succeeded. A host whose
+        agents are all meant is asked once, and named instead of them.
+        """
+        hosts = self.processes.hosts_within({*agents})
+        for host in hosts:
+            self.link.will_call(srv.LoadLibrary, self._loading(host))
+        for host, members in hosts.items():
+            yield self._answer(host, self._reload_all(host, members[0]))
+        hosted = {name for members in hosts.values() for name in members}
+        alone = [agent for agent in agents if agent not in hosted]
+        for start in range(0, len(alone), SERVICES_PER_BATCH):
+            together = alone[start : start + SERVICES_PER_BATCH]
             for agent in together:
                 self.will_do(agent, LoadLibrary)
-            yield from map(self._reload, together)
+            for agent in together:
+                yield self._answer(agent, self.do.coroutine(agent, LoadLibrary()))
 
-    async def _reload(self, agent: str) -> tuple[str, str, bool]:
+    async def _reload_all(self, host: str, member: str) -> Any:
+        """Have all agents of a host reload their libraries."""
+        return await self.link.call.coroutine(
+            srv.LoadLibrary,
+            self._loading(host),
+            srv.LoadLibrary.Request(by=self.demonstrator),
+            missing=lambda: self._absence(member, DISCOVERY_S),
+            seconds=ANSWER_S + self.more_seconds,
+            over=lambda: self.processes.is_lost(member),
+        )
+
+    def _loading(self, host: str) -> str:
+        return names.of_agent(host, LoadLibrary.name, self.prefix)
+
+    async def _answer(self, name: str, asked: Turns[Any]) -> tuple[str, str, bool]:
         try:
-            return agent, (await self.do.coroutine(agent, LoadLibrary())).message, True
+            return name, (await asked).message, True
         except SwarmError as error:
-            return agent, error.what, False
+            return name, error.what, False
 
     @blocking
     async def vocabulary(self, agent: str) -> Any:

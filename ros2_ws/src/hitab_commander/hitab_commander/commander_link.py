@@ -66,7 +66,9 @@ class CommanderLink:
         self._silent: list[bool] = []
         self._look_at = 0.0
         self._hear_sign = node.guard.wrap("signs of life", self._on_sign)
-        self._orders = PublishedTopic(node, msg.Order, names.ORDER, qos.LATCHED, self._show_order)
+        self._orders = PublishedTopic(
+            node, msg.Order, names.ORDER, qos.LATCHED, latched=self._show_order
+        )
         # Observers find here also the reports that came another way.
         self._reports = PublishedTopic(node, msg.Reports, names.REPORTS, qos.EVENTS)
         subscription = HeardTopic(node, names.REPORTS, self._subscribe)

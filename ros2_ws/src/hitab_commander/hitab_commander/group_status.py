@@ -27,7 +27,7 @@ class GroupStatus:
             msg.CommanderStatus,
             names.GROUP,
             qos.LATCHED,
-            lambda: self.topic.publish(self.message()),
+            latched=lambda: self.topic.publish(self.message()),
         )
         if node.shared.batches is not None:
             node.shared.batches.groups.append(self)

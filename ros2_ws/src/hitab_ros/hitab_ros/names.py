@@ -115,6 +115,11 @@ def of_agent(agent: str, name: str, prefix: str = "") -> str:
     return f"{prefix}/{agent}/{name}"
 
 
+def of_host(first: str) -> str:
+    """Return the name of a host by that of its first agent, such as ``host_of_ant_1``."""
+    return f"host_of_{first}"
+
+
 def of_world(name: str, prefix: str = "") -> str:
     """Return the full name of the world's topic or service, such as ``/world/state``."""
     return f"{prefix}/{WORLD}/{name}"

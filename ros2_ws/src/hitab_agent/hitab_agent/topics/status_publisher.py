@@ -86,7 +86,7 @@ class StatusPublisher:
         self._began_in: tuple[object, ...] = ()
         self._is_due = False
         self.topic = PublishedTopic(
-            node, msg.AgentStatus, names.STATUS, qos.LATCHED, self._publish_again
+            node, msg.AgentStatus, names.STATUS, qos.LATCHED, latched=self._publish_again
         )
 
     @property

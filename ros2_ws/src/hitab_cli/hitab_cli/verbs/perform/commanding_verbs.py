@@ -12,7 +12,7 @@ from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
 from hitab_client.terminal.cli_options import AgentName, JsonPath, SwarmName
 from hitab_client.terminal.cli_remedies import called, with_commands
-from hitab_core import FeatureKind, Fix, HitabError, quantity
+from hitab_core import FeatureKind, Fix, HitabError, each_once, quantity
 from hitab_core.operations import Command, Distribute, Perform, RetimeExamples, Undo
 
 
@@ -123,8 +123,7 @@ def distribute(swarm_up: Connection, agent: str, sent: Distribute, json: JsonPat
             agent, sent, progress=lambda done, total: advance(done, total, "")
         )
     console.note(report.message)
-    lines = [f"{name}: has it" for name in report.accepted]
-    lines += [f"{name}: {why}" for name, why in report.missing.items()]
+    lines = each_once([*((name, "accepted") for name in report.accepted), *report.missing.items()])
     fields = ("sequence", "digest", "accepted", "refused", "silent")
     console.show(json, {field: getattr(report, field) for field in fields}, *lines)
     if report.missing:

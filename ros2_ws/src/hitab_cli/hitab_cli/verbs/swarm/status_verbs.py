@@ -201,7 +201,8 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
     lines += [console.line(way) for way in [*ways][:WAYS_MAX]]
     halt = [a["agent"] for a in data["agents"] if a["when_out_of_reach"] == "halt"]
     lines += [console.line(f"halt when out of reach: {some(halt)}")] if halt else []
-    lines += [console.line(f"{a['agent']} {a['note']}") for a in data["agents"] if a["note"]]
+    notes = each_once((a["agent"], a["note"]) for a in data["agents"] if a["note"])
+    lines += [console.line(text) for text in notes]
     lines += [console.line(kept) for agent in data["agents"] if (kept := _kept(agent))]
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
     lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
