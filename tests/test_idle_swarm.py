@@ -17,7 +17,7 @@ from hitab_ros.presence import ROSTERS
 SECONDS = 60.0
 IDLE_STATUSES = 4  # of the world, which sends one a second
 HOSTS = 2
-ENDPOINTS_OF_A_HOST = 15
+ENDPOINTS_OF_A_HOST = 16
 """Whatever the number of its agents and commanders."""
 CYCLES = 30  # of play, in which each process gives several signs of life
 
