@@ -45,7 +45,7 @@ def start(spinning: Spinner) -> None:
         write("obeyed.json", obeyed)
 
     def look() -> None:
-        known = [a for a in SQUADS if node.count_publishers(f"/{a}/{names.STATUS}")]
+        known = [a for a in SQUADS if node.count_publishers(f"/{a}/{names.GROUP}")]
         write("known.json", known)
         lines = (folder / "orders").read_text().splitlines()
         for line in lines[len(done) :]:
