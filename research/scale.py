@@ -3,7 +3,7 @@
 Each agent and each commander is a ROS 2 node with its own automaton; a few host processes run
 them all. While the swarm plays, an order is given to the commander at the root twice a second, and
 the time until the last agent reports that it performs the order is measured; in a large swarm, the
-last agent of 50 squads. Before, it plays without orders, and afterwards it is paused.
+last agent of 200 squads. Before, it plays without orders, and afterwards it is paused.
 
     scripts/python research/scale.py --sizes 10,100,1000 --json scale.json --plot scale.png
     scripts/python research/scale.py --sizes 5000 --factor 0.5    # at 5 Hz
@@ -32,7 +32,7 @@ from swarms import FAN_OUT, ORDERS, commanders, description, levels
 
 SIZES = "10,30,100,300,1000,3000,5000"
 CYCLES_HZ = 10.0
-SQUADS_WATCHED = 50
+SQUADS_WATCHED = 200
 UNWATCHED_S, PAUSED_S = 15.0, 10.0
 WARM_UP_S = 5.0
 ORDER_PERIOD_S = 0.5

@@ -55,10 +55,10 @@ class AgentEndpoints:
         if shared.on_demand is not None:
             shared.on_demand.add(node)
         else:
-            shared.scheduler.every(POLL_S, self._offer_percepts, node.guard)
             for service in self.services.values():
                 service.open()
         if shared.on_demand is None or shared.host is None:
+            shared.scheduler.every(POLL_S, self._offer_percepts, node.guard)
             for topic in self.topics:
                 topic.open()
         if shared.host is None:

@@ -24,14 +24,17 @@ messages of a topic without a publisher, and misses what is sent before it has d
 class EndpointsOnDemand:
     """Opens and closes the endpoints of a process's agents."""
 
-    def __init__(self, host: GuardedNode, scheduler: Scheduler) -> None:
+    def __init__(self, host: GuardedNode, scheduler: Scheduler, *, topics: bool = True) -> None:
         """Begin to look for the other ends.
 
         Args:
             host: the node whose view of the ROS graph is used.
             scheduler: the process's scheduler.
+            topics: whether topics are opened and closed too. To list them costs more, the more
+                processes of their own there are.
         """
         self._host = host
+        self._topics = topics
         self._nodes: dict[str, AgentBase] = {}  # by namespace
         self._unused: dict[Endpoint, int] = {}  # looks since the last use of those that are open
         self._new: dict[Endpoint, int] = {}  # looks since they were opened
@@ -55,7 +58,7 @@ class EndpointsOnDemand:
                 del self._unused[endpoint]
                 endpoint.node.guard.run(f"closing {endpoint.short_name}", endpoint.close)
         if self._nodes:
-            topics = self._host.get_topic_names_and_types()
+            topics = self._host.get_topic_names_and_types() if self._topics else ()
             services = self._host.get_service_names_and_types()
             for is_service, found in ((False, topics), (True, services)):
                 for full_name, _ in found:

@@ -82,7 +82,9 @@ class HostResources:
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
-        self.on_demand = EndpointsOnDemand(node, self.scheduler) if on_demand else None
+        self.on_demand: EndpointsOnDemand | None = None
+        if on_demand:
+            self.on_demand = EndpointsOnDemand(node, self.scheduler, topics=is_host)
         self.links: dict[str, HostLink] = {}
         self.domains: dict[str, Domain] = {}
         self.logged: set[str] = set()
