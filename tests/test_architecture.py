@@ -49,7 +49,7 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2800,
+    "hitab_agent": 2810,
     "hitab_bringup": 2400,
     "hitab_class": 200,
     "hitab_cli": 2950,

@@ -26,18 +26,9 @@ from hitab_ros.messages.conversions import message_of
 
 def command_topic(node: AgentBase) -> HeardTopic:
     """Return the topic of commands that need no answer: the status shows what became of them."""
-    return HeardTopic(
-        node,
-        names.COMMAND,
-        lambda: node.create_subscription(
-            msg.Command,
-            names.COMMAND,
-            partial(obey, node),
-            qos.EVENTS,
-            checked=False,  # `obey` checks it, so that the status shows the sender what is wrong
-            temporary=True,
-        ),
-    )
+    # `obey` checks a command, so that the status shows the sender what is wrong.
+    take = partial(obey, node)
+    return HeardTopic(node, msg.Command, names.COMMAND, qos.EVENTS, take, checked=False)
 
 
 def obey(node: AgentBase, command: msg.Command) -> None:

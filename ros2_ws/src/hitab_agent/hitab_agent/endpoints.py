@@ -14,8 +14,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from hitab_ros import GuardedNode
 
-Create = Callable[[], Any]
-
 
 def _nothing() -> None:
     pass
@@ -147,19 +145,44 @@ class PublishedTopic(Endpoint):
 
 
 class HeardTopic(Endpoint):
-    """A topic to which a node subscribes; ``create`` returns the subscription, a temporary one."""
+    """A topic to which a node subscribes.
 
-    __slots__ = ("_subscribe",)
+    Args:
+        node: the node.
+        kind: type of the messages.
+        name: name of the topic.
+        profile: QoS profile.
+        take: receives the messages.
+        checked: whether invalid messages are dropped.
+    """
 
-    def __init__(self, node: GuardedNode, name: str, create: Create) -> None:
+    __slots__ = ("_checked", "_kind", "_profile", "_take")
+
+    def __init__(
+        self,
+        node: GuardedNode,
+        kind: Any,
+        name: str,
+        profile: QoSProfile,
+        take: Callable[[Any], object],
+        *,
+        checked: bool = True,
+    ) -> None:
         super().__init__(node, name)
-        self._subscribe = create
+        self._kind, self._profile, self._take, self._checked = kind, profile, take, checked
 
     def _others(self, observer: Node) -> int:
         return observer.count_publishers(self.name)
 
     def _create(self) -> Any:
-        return self._subscribe()
+        return self.node.create_subscription(
+            self._kind,
+            self.short_name,
+            self._take,
+            self._profile,
+            checked=self._checked,
+            temporary=True,
+        )
 
     def _destroy(self, end: Any) -> None:
         self.node.destroy_subscription(end)

@@ -5,13 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hitab_msgs.msg import HostRoster
-
 from hitab_agent.agent_services import CommandsToMany, offer_loading
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.host.roster_topic import RosterTopic
 from hitab_agent.host.status_batches import StatusBatches
-from hitab_agent.links.exchange import Exchange
+from hitab_agent.links.order_exchange import Exchange
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.scheduler import JobQueue, Scheduler
@@ -67,24 +65,22 @@ class HostResources:
             on_demand: whether endpoints are opened for those who ask, instead of all at once.
             swarm: identity of the agents' swarm; empty if none.
         """
-
-        def is_own(roster: HostRoster) -> bool:
-            return swarm in ("", roster.swarm)
-
         self.name = names.own_name(node)
         self.nodes: list[AgentBase] = []
         self.host = node if is_host else None
         self.scheduler = Scheduler(node)
         self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
-        hosts = names.in_swarm(node, names.HOSTS)
-        rosters = HostRosters(node, hosts, is_own) if is_host else None
+        rosters: HostRosters | None = None
+        if is_host:
+            hosts = names.in_swarm(node, names.HOSTS)
+            rosters = HostRosters(node, hosts, lambda roster: swarm in ("", roster.swarm))
         self.exchange = Exchange(node, self.scheduler, rosters)
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
-        self.on_demand: EndpointsOnDemand | None = None
-        if on_demand:
-            self.on_demand = EndpointsOnDemand(node, self.scheduler, topics=is_host)
+        self.on_demand = (
+            EndpointsOnDemand(node, self.scheduler, topics=is_host) if on_demand else None
+        )
         self.links: dict[str, HostLink] = {}
         self.domains: dict[str, Domain] = {}
         self.logged: set[str] = set()

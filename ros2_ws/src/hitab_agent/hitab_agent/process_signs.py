@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 from hitab_msgs.msg import Alive
 
-from hitab_agent.scheduler import JobQueue
+from hitab_agent.scheduler import Job, JobQueue
 from hitab_core.orders import Subordinate
 from hitab_ros import GuardedNode, names, qos
 
@@ -65,5 +64,11 @@ class ProcessSigns:
             self._pass_on(sign)
 
     def _pass_on(self, sign: Alive) -> None:
-        for call in self._followers.get(sign.process, ()):
-            self._later.call(partial(call, sign))
+        if followers := self._followers.get(sign.process):
+            self._later.do(_calls(list(followers), sign))
+
+
+def _calls(followers: list[Follow], sign: Alive) -> Job:
+    for call in followers:
+        call(sign)
+        yield None

@@ -8,7 +8,7 @@ from hitab_msgs import msg, srv
 
 from hitab_agent.endpoints import OfferedService
 from hitab_agent.endpoints_on_demand import EndpointsOnDemand
-from hitab_agent.links.exchange import Exchange
+from hitab_agent.links.order_exchange import Exchange
 from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_ros import names, qos
 from hitab_ros.nodes.guarded_node import GuardedNode

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from typing import Any
 
 from hitab_msgs import msg
 
@@ -71,7 +70,7 @@ class CommanderLink:
         )
         # Observers find here also the reports that came another way.
         self._reports = PublishedTopic(node, msg.Reports, names.REPORTS, qos.EVENTS)
-        subscription = HeardTopic(node, names.REPORTS, self._subscribe)
+        subscription = HeardTopic(node, msg.Reports, names.REPORTS, qos.EVENTS, self._on_topic)
         self._reports.mirror, subscription.mirror = subscription, self._reports
         node.endpoints.topics += [self.group.topic, self._orders, subscription]
         if shared.host is not None:
@@ -93,11 +92,6 @@ class CommanderLink:
 
     def close(self) -> None:
         """Do nothing: subordinates continue to follow their orders."""
-
-    def _subscribe(self) -> Any:
-        return self._node.create_subscription(
-            msg.Reports, names.REPORTS, self._on_topic, qos.EVENTS, temporary=True
-        )
 
     def _resume(self, order: str) -> None:
         """Resume the order of the previous process, or publish that there is none."""

@@ -10,7 +10,7 @@ from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from hitab_agent.host.roster_topic import RosterTopic
-from hitab_agent.links.exchange import Exchange
+from hitab_agent.links.order_exchange import Exchange
 from hitab_agent.links.round_gate import RoundGate
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.node.guarded_tick import NO_ACTION

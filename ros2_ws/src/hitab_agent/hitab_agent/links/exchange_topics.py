@@ -16,7 +16,7 @@ from hitab_ros.timing import POLL_S
 
 
 class Ends(Protocol):
-    """The agents and commanders of this process, as `hitab_agent.links.exchange` has them."""
+    """The agents and commanders of this process; see `hitab_agent.links.order_exchange`."""
 
     @property
     def subordinates(self) -> Collection[str]:

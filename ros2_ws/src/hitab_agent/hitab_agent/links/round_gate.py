@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
-from hitab_agent.links.exchange import Exchange
+from hitab_agent.links.order_exchange import Exchange
 from hitab_core.orders import Order
 
 Act = Callable[[], None]

@@ -78,6 +78,8 @@ def check_name_is_free(
     doubtful = [
         node for node in nodes if _status_of(node) in topics and _participants(node) - ours
     ]
+    if not doubtful:
+        return
     listeners = []
     for node in doubtful:
         name = names.own_name(node)
@@ -98,8 +100,6 @@ def check_name_is_free(
         return min(others, default=ours_first) < ours_first if len(nodes) == 1 else bool(others)
 
     ours_first = min(ours)
-    if not doubtful:
-        return
     try:
         spinning.spin_until(lambda: len(established) == len(doubtful), CONNECT_S)
         # Of two that start at once, the one with the lower identifier continues, and the other
