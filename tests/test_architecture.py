@@ -18,6 +18,7 @@ FLOORS = (
     ("hitab_agent", "hitab_client", "hitab_world"),
     ("foraging_world", "hitab_commander", "hitab_robots", "hitab_studio", "keepaway_world"),
     ("half_field_world", "hitab_bringup"),
+    ("hitab_machines",),
     ("hitab_class", "hitab_cli", "hitab_rcssserver"),
     ("hitab_export", "hitab_gamepad"),
 )
@@ -58,6 +59,7 @@ BUDGET = {
     "hitab_core": 9700,
     "hitab_export": 900,
     "hitab_gamepad": 400,
+    "hitab_machines": 1000,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1750,

@@ -83,6 +83,13 @@ STATUSES = "statuses"
 COMMANDS = "commands"
 DISTRIBUTION = "distribution"
 DISTRIBUTION_ACK = "distribution_ack"
+MACHINES = "machines"
+
+# Of a machine, in its namespace.
+READ_FILES = "read_files"
+READ_LOG = "read_log"
+RUN_PROCESS = "run_process"
+TAKE_DOWN = "take_down"
 
 
 def own_name(node: Node) -> str:

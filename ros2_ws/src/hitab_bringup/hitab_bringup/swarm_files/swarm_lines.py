@@ -35,7 +35,7 @@ from hitab_ros.names import WORLD
 
 RESERVED = (
     *(WORLD, "hosts", "statuses", "commands", "alive", "operators"),
-    *("distribution", "distribution_ack", "clock"),
+    *("distribution", "distribution_ack", "clock", "machines"),
 )
 SET = ("commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world")
 """Parameters of agents and worlds that a swarm sets by itself."""

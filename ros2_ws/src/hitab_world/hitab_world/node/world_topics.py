@@ -132,6 +132,7 @@ class WorldTopics:
                 looks=self._looks,
                 change=self._run_state.changes,
                 note=self._note,
+                swarm=self._settings.swarm,
             )
         )
         self._note = ""

@@ -1,0 +1,1 @@
+from .machine_signs import MachineSigns as MachineSigns
