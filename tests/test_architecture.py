@@ -66,7 +66,7 @@ BUDGET = {
     "hitab_studio": 4550,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 31000,
+    "tests": 33000,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -16,7 +16,6 @@ setup(
     install_requires=[
         "setuptools",
         "lazy_loader",
-        "psutil",
     ],
     extras_require={"test": ["pytest"]},
     zip_safe=False,

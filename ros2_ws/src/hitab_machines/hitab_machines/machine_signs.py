@@ -34,9 +34,9 @@ class HeardMachine:
     Attributes:
         status: the last status of the other machine.
         loss: share of its latest messages that was lost, 0 to 1.
-        delay: half of the shortest recent time to it and back, s; NaN if it hears nothing from here.
-        offset: its wall clock minus this one, s; NaN if it hears nothing from here.
-        processes: the processes that send in its name, by number, with the time of the last message.
+        delay: half of the shortest recent time to it and back, s; NaN until it hears this one.
+        offset: its wall clock minus this one, s; NaN until it hears this one.
+        processes: time of the last message of each process in its name, by the process's number.
     """
 
     def __init__(self) -> None:
