@@ -44,7 +44,7 @@ from typing import Any
 
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
-from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE
+from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE, has
 
 PACES = ("lockstep", "realtime")
 AGENT_MARK = "{agent}"
@@ -179,6 +179,25 @@ def _as_yaml(value: Any) -> str:
 
 
 @dataclass(frozen=True)
+class MachineDescription:
+    """One machine: a computer that runs part of a swarm.
+
+    Attributes:
+        processes: names of the processes that it runs, without companions of robots, which run
+            beside their agents.
+        ssh: destination for the system's ``ssh``; empty if none.
+        hitab: the command ``hitab`` there.
+        takes_over: names of the machines whose processes it takes over when they are silent.
+    """
+
+    name: str
+    processes: tuple[str, ...]
+    ssh: str = ""
+    hitab: str = "hitab"
+    takes_over: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class SwarmDescription:
     """A complete swarm.
 
@@ -186,6 +205,8 @@ class SwarmDescription:
         namespace: namespace of all nodes, such as ``/left``; empty if none.
         all_endpoints: whether hosts open all topics and services of their agents at once, instead
             of those that somebody asks for; None if the number of agents decides.
+        machines: the machines that run its parts; empty if it runs on one, unnamed.
+        machine: the machine whose part is started here; empty for the whole swarm.
     """
 
     name: str
@@ -196,6 +217,8 @@ class SwarmDescription:
     namespace: str = ""
     processes: tuple[Process, ...] = ()
     all_endpoints: bool | None = None
+    machines: tuple[MachineDescription, ...] = ()
+    machine: str = ""
 
     @property
     def members(self) -> tuple[AgentDescription, ...]:
@@ -234,6 +257,26 @@ class SwarmDescription:
                 f'"{namespace}" is not a namespace; {VOCABULARY_NAME_RULE}, such as left'
             )
         return replace(self, name="_".join((self.name, *parts)), namespace="/" + "/".join(parts))
+
+    def on_machine(self, name: str) -> SwarmDescription:
+        """Return the swarm with the machine whose part is to be started.
+
+        Raises:
+            DescriptionError: if the swarm has no such machine, or several and none is named.
+        """
+        names = [machine.name for machine in self.machines]
+        if name and not names:
+            raise DescriptionError(
+                f'{self.file}: swarm "{self.name}" has no `machines:`; leave out the machine'
+            )
+        if names and not name:
+            raise DescriptionError(
+                f'{self.file}: swarm "{self.name}" runs on {", ".join(names)}; say which of these '
+                f"this is, as in --machine {names[0]}, or start all with --all"
+            )
+        if name not in {*names, ""}:
+            raise DescriptionError(f'{self.file}: no machine "{name}" {has(names, name)}')
+        return replace(self, machine=name)
 
     def with_sim_time(self) -> SwarmDescription:
         """Return the swarm with nodes whose clock is the topic of the world's time."""

@@ -5,8 +5,11 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import re
 import secrets
+from collections.abc import Iterable
 
 from hitab_client.errors import SwarmError
 from hitab_core import Fix
@@ -26,6 +29,18 @@ def new_identity(swarm: str, *, launched: bool = False) -> str:
         launched: whether the swarm is started without `hitab up`.
     """
     return f"{LAUNCHED if launched else ''}{swarm}-{secrets.token_hex(4)}"
+
+
+def shared_identity(swarm: str, namespace: str, machines: Iterable[str]) -> str:
+    """Return the identity of a swarm on several machines, the same on each of them.
+
+    Args:
+        swarm: the swarm's name.
+        namespace: namespace of all nodes.
+        machines: names of the machines.
+    """
+    text = json.dumps([swarm, namespace, *machines])
+    return f"{swarm}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
 
 
 def is_identity(text: str) -> bool:

@@ -28,6 +28,7 @@ import psutil  # type: ignore[import-untyped]
 
 from hitab_client.errors import SwarmError
 from hitab_client.runs.users import user_home
+from hitab_ros.names import WORLD
 
 MARK = "HITAB_RUN_FOLDER"
 """Environment variable that marks the processes of a run folder."""
@@ -53,6 +54,11 @@ class RunRecord:
         commanders: the agents that are commanders.
         processes: names of the agents in each process, by the process's name.
         namespace: namespace of all nodes, such as ``/left``; empty if none.
+        machine: this machine; empty if the swarm runs on one, unnamed.
+        machines: names of the processes that the swarm file gives to each machine; empty likewise.
+
+    The agents, commanders, processes and the world are those of the whole swarm, wherever they
+    run.
     """
 
     swarm: str
@@ -67,6 +73,25 @@ class RunRecord:
     commanders: tuple[str, ...] = ()
     processes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     namespace: str = ""
+    machine: str = ""
+    machines: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def processes_here(self) -> tuple[str, ...]:
+        """The processes that the swarm file gives to this machine."""
+        return self.machines.get(self.machine, tuple(self.processes))
+
+    @property
+    def agents_here(self) -> tuple[str, ...]:
+        """The agents and commanders that the swarm file gives to this machine."""
+        if not self.machines:
+            return self.agents
+        return tuple(name for here in self.processes_here for name in self.processes[here])
+
+    @property
+    def world_here(self) -> bool:
+        """Whether the swarm has a world, and it runs on this machine."""
+        return self.world and (not self.machines or WORLD in self.processes_here)
 
 
 def state_home() -> Path:
@@ -154,8 +179,9 @@ class RunFolder:
             value = json.loads(self.record_file.read_text(encoding="utf-8"))
             for key in ("agents", "commanders"):
                 value[key] = tuple(value.get(key, ()))
-            processes = value.get("processes", {})
-            value["processes"] = {name: tuple(agents) for name, agents in processes.items()}
+            for key in ("processes", "machines"):
+                named = value.get(key, {})
+                value[key] = {name: tuple(inside) for name, inside in named.items()}
             return RunRecord(**value)
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return None
