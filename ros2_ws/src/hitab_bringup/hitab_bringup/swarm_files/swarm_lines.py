@@ -14,6 +14,9 @@
     processes:
       relay: {module: hitab_robots.relay.velocity_relay, namespace: robot_1}
       lidar: {command: ros2 run ldlidar node, namespace: robot_1, remap: {scan: front/scan}}
+    machines:                           # computers, the first of which runs what no other does
+      desk: {runs: [world, captain]}    # a commander's name stands for all that it commands
+      field: {runs: [corporal_2], ssh: ann@field.local, hosts: 2, takes_over: [desk]}
 
 Processes are started, restarted and stopped with the agents, and each has a log.
 """
@@ -62,6 +65,29 @@ def _name(text: str) -> str:
 def _free(text: str) -> str:
     if text in RESERVED:
         raise ValueError("an agent cannot be called this; rename it")
+    return text
+
+
+def _free_machine(text: str) -> str:
+    if text in RESERVED:
+        raise ValueError("a machine cannot be called this; rename it")
+    return text
+
+
+def _destination(text: str) -> str:
+    if re.fullmatch(r"([^\s-]\S*)?", text) is None:
+        raise ValueError(
+            f'"{text}" is not a destination for `ssh`, such as ann@lab2.local or a name in '
+            "~/.ssh/config"
+        )
+    return text
+
+
+def _command(text: str) -> str:
+    if re.fullmatch(r"[\w./~+][\w./~+-]*", text) is None:
+        raise ValueError(
+            f'"{text}" is not the path of a command without spaces, such as ~/hitab/scripts/hitab'
+        )
     return text
 
 
@@ -158,6 +184,7 @@ def _not_empty(value: Any) -> Any:
 Value = Annotated[Any, PlainValidator(_parameter)]
 Name = Annotated[str, AfterValidator(_name)]
 AgentKey = Annotated[Name, AfterValidator(_free)]
+MachineKey = Annotated[Name, AfterValidator(_free_machine)]
 RosName = Annotated[str, AfterValidator(_ros_name)]
 Namespace = Annotated[str, AfterValidator(_namespace)]
 Seed = Annotated[int, Field(ge=0)]
@@ -259,6 +286,16 @@ class ProcessLine(Nodes):
         return self
 
 
+class MachineLine(ReachLine):
+    """A computer that runs part of the swarm."""
+
+    runs: Texts = ()
+    ssh: Annotated[str, AfterValidator(_destination)] = ""
+    hitab: Annotated[str, AfterValidator(_command)] = "hitab"
+    hosts: Count | None = None
+    takes_over: Texts = ()
+
+
 class SwarmLines(AgentSettings):
     """The whole file."""
 
@@ -276,3 +313,6 @@ class SwarmLines(AgentSettings):
         default_factory=dict
     )
     processes: Annotated[dict[Name, ProcessLine], NONE_IS_EMPTY] = Field(default_factory=dict)
+    machines: Annotated[dict[MachineKey, MachineLine], NONE_IS_EMPTY] = Field(
+        default_factory=dict
+    )
