@@ -183,32 +183,46 @@ class CommanderTree:
 
 
 def in_hosts(
-    agents: Sequence[AgentDescription], commanders: Sequence[CommanderDescription], hosts: int
+    agents: Sequence[AgentDescription],
+    commanders: Sequence[CommanderDescription],
+    hosts: int,
+    prefix: str = "",
 ) -> tuple[list[AgentDescription], list[CommanderDescription]]:
     """Distribute members without a process of their own to some hosts, keeping groups together.
 
     Agents are distributed evenly in the order of the tree, so that most commanders share a process
-    with all their subordinates. A commander runs where its first subordinate does.
+    with all their subordinates. A commander runs where its first subordinate of these members
+    does, or else in the first host.
+
+    Args:
+        agents, commanders: the members.
+        hosts: number of hosts.
+        prefix: beginning of the hosts' names.
     """
     by_name: dict[str, AgentDescription] = {m.name: m for m in (*agents, *commanders)}
 
+    def below(commander: CommanderDescription) -> list[AgentDescription]:
+        return [by_name[name] for name in commander.subordinates if name in by_name]
+
     def leaves(member: AgentDescription) -> Iterator[str]:
         if isinstance(member, CommanderDescription):
-            for name in member.subordinates:
-                yield from leaves(by_name[name])
+            for subordinate in below(member):
+                yield from leaves(subordinate)
         elif not member.process:
             yield member.name
 
-    roots = [member for member in (*commanders, *agents) if not member.superior]
+    roots = [member for member in (*commanders, *agents) if member.superior not in by_name]
     ordered = [name for root in roots for name in leaves(root)]
     host_of = {
-        name: f"host_{index * hosts // len(ordered) + 1}" for index, name in enumerate(ordered)
+        name: f"{prefix}host_{index * hosts // len(ordered) + 1}"
+        for index, name in enumerate(ordered)
     }
 
     def place(member: AgentDescription) -> str:
         if member.process or not isinstance(member, CommanderDescription):
             return member.process or host_of[member.name]
-        return place(by_name[next(iter(member.subordinates))])
+        subordinates = below(member)
+        return place(subordinates[0]) if subordinates else f"{prefix}host_1"
 
     def placed(member: Member) -> Member:
         return replace(member, process=place(member))

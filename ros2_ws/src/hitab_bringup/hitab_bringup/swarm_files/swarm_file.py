@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 from hitab_bringup.libraries.library_choice import known_libraries
 from hitab_bringup.swarm_files.commander_tree import CommanderTree, in_hosts
+from hitab_bringup.swarm_files.machine_plan import MachinePlan
+from hitab_bringup.swarm_files.out_of_reach import with_reach
 from hitab_bringup.swarm_files.swarm_description import (
     AGENT_MARK,
     SIM_TIME,
@@ -166,18 +168,29 @@ class _Reader:
         groups = {key: tree.with_superiors(group) for key, group in groups.items()}
         agents = [agent for group in groups.values() for agent in group]
         if self._world_file:
-            own = {f"agent_{i + 1}" for i in range(len(agents))}
-            if own != {agent.name for agent in agents}:
+            names = {f"agent_{i + 1}" for i in range(len(agents))}
+            if names != {agent.name for agent in agents}:
                 text = "of a world in one file are called agent_1, agent_2 and so on: rename them"
                 self._complaints.add(("agents",), text)
         for section, found in (("agents", groups), ("commanders", lines)):
             for key, group in found.items():
                 self._claim(section, key, {*(member.name for member in group), key})
-        if file.hosts is not None and not self._complaints:
+        plan = MachinePlan(file, {**groups, **lines}, self._complaints)
+        if file.machines and not self._complaints:
+            agents, commanders = plan.placed(agents, commanders)
+        elif file.hosts is not None and not self._complaints:
             agents, commanders = in_hosts(agents, commanders, file.hosts)
         self._owners |= {m.process: m.name for m in (*agents, *commanders)}
         processes = tuple(self._processes())
+        for machine in file.machines:
+            self._claim("machines", machine, [machine])
         self._complaints.raise_any()
+        machines = tuple(plan.machines((*agents, *commanders)))
+        self._complaints.raise_any()
+        own = {m.name: file.agents[key] for key, group in groups.items() for m in group}
+        own |= {m.name: file.commanders[key] for key, group in lines.items() for m in group}
+        reach = {name: file.machines[m.name] for m in machines for name in m.processes}
+        agents, commanders = with_reach(agents, commanders, own, file, reach)
         return SwarmDescription(
             name,
             self._path,
@@ -187,6 +200,7 @@ class _Reader:
             f"/{file.namespace.strip('/')}" if file.namespace else "",
             processes,
             file.all_endpoints,
+            machines,
         )
 
     def _tell(self, line: str, key: str, text: str, section: str = "commanders") -> None:
@@ -263,7 +277,7 @@ class _Reader:
             groups[key] = [
                 AgentDescription(
                     domain=own.domain,
-                    process=self._process(line, key, name, index),
+                    process=self._process(line, own.domain, key, name, index),
                     **self._common(own, key, name),
                 )
                 for index, name in enumerate(names)
@@ -274,12 +288,18 @@ class _Reader:
             self._tell_at(("agents", key), line, "behavior", wrong)
         return groups
 
-    def _process(self, line: AgentLine, key: str, name: str, index: int) -> str:
-        """Return the process of an agent; empty if the swarm's hosts run the agent."""
+    def _process(self, line: AgentLine, domain: str, key: str, name: str, index: int) -> str:
+        """Return the process of an agent; empty if the swarm's hosts run the agent.
+
+        On several machines, these run all but robots, whose links are theirs alone.
+        """
         if not line.host and line.per_process not in (None, 1):
             return f"{key}_host_{index // line.per_process + 1}"
-        hosted = self._file.hosts is not None and line.per_process is None
-        return line.host or ("" if hosted else name)
+        if self._file.machines:
+            hosted = not self._words.has_robot(domain)
+        else:
+            hosted = self._file.hosts is not None
+        return line.host or ("" if hosted and line.per_process is None else name)
 
     def _common(self, own: AgentLine | CommanderLine, key: str, name: str) -> dict[str, Any]:
         base = self._path.parent
@@ -297,7 +317,8 @@ class _Reader:
         line = self._file.commanders[key]
         # Of the settings for all agents, only the seed and those for all nodes apply here, too.
         own = _under(self._file, line, {*NODES, "seed"})
-        process = line.host or ("" if self._file.hosts is not None else name)
+        hosted = self._file.hosts is not None or self._file.machines
+        process = line.host or ("" if hosted else name)
         return CommanderDescription(domain="", process=process, **self._common(own, key, name))
 
     def _kinds(self) -> dict[str, CommanderKind]:

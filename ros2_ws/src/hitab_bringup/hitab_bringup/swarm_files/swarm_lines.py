@@ -2,6 +2,8 @@
 
     remap: {cmd_vel: /base/cmd_vel}     # names that the nodes of a line use: other names
     parameters: {max_speed: 0.5}        # of the nodes
+    when_out_of_reach: halt             # while the commander or operator is silent, or go_on
+    out_of_reach_after: 3.0             # s of silence
     use_sim_time: true                  # the nodes' clock is the topic /clock
     commanders:
       captain: {kind: Company, commands: [scout_1, scout_2, corporal]}   # one, over all of these
@@ -12,6 +14,9 @@
     processes:
       relay: {module: hitab_robots.relay.velocity_relay, namespace: robot_1}
       lidar: {command: ros2 run ldlidar node, namespace: robot_1, remap: {scan: front/scan}}
+    machines:                           # computers, the first of which runs what no other does
+      desk: {runs: [world, captain]}    # a commander's name stands for all that it commands
+      field: {runs: [corporal_2], ssh: ann@field.local, hosts: 2, takes_over: [desk]}
 
 Processes are started, restarted and stopped with the agents, and each has a log.
 """
@@ -37,10 +42,14 @@ RESERVED = (
     *(WORLD, "hosts", "statuses", "commands", "alive", "operators"),
     *("distribution", "distribution_ack", "clock", "machines"),
 )
-SET = ("commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world")
+SET = (
+    *("commander", "superiors", "roles", "state_dir", "subordinates", "asks_position", "swarm"),
+    "world",
+)
 """Parameters of agents and worlds that a swarm sets by itself."""
 
-OWN_LINES = ("domain", "library", "behavior", "seed", "role", SIM_TIME)
+OUT_OF_REACH = ("when_out_of_reach", "out_of_reach_after")
+OWN_LINES = ("domain", "library", "behavior", "seed", "role", SIM_TIME, *OUT_OF_REACH)
 """Parameters of agents for which a line has keys."""
 
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
@@ -56,6 +65,29 @@ def _name(text: str) -> str:
 def _free(text: str) -> str:
     if text in RESERVED:
         raise ValueError("an agent cannot be called this; rename it")
+    return text
+
+
+def _free_machine(text: str) -> str:
+    if text in RESERVED:
+        raise ValueError("a machine cannot be called this; rename it")
+    return text
+
+
+def _destination(text: str) -> str:
+    if re.fullmatch(r"([^\s-]\S*)?", text) is None:
+        raise ValueError(
+            f'"{text}" is not a destination for `ssh`, such as ann@lab2.local or a name in '
+            "~/.ssh/config"
+        )
+    return text
+
+
+def _command(text: str) -> str:
+    if re.fullmatch(r"[\w./~+][\w./~+-]*", text) is None:
+        raise ValueError(
+            f'"{text}" is not the path of a command without spaces, such as ~/hitab/scripts/hitab'
+        )
     return text
 
 
@@ -152,6 +184,7 @@ def _not_empty(value: Any) -> Any:
 Value = Annotated[Any, PlainValidator(_parameter)]
 Name = Annotated[str, AfterValidator(_name)]
 AgentKey = Annotated[Name, AfterValidator(_free)]
+MachineKey = Annotated[Name, AfterValidator(_free_machine)]
 RosName = Annotated[str, AfterValidator(_ros_name)]
 Namespace = Annotated[str, AfterValidator(_namespace)]
 Seed = Annotated[int, Field(ge=0)]
@@ -189,7 +222,14 @@ class Nodes(Renamed):
     use_sim_time: bool | None = None
 
 
-class MemberSettings(Nodes):
+class ReachLine(Record):
+    """What members of the swarm do out of reach; `out_of_reach` says for whom a line holds."""
+
+    when_out_of_reach: Annotated[str, among(("go_on", "halt"))] = "go_on"
+    out_of_reach_after: float = Field(default=5.0, gt=0.0, le=3600.0)
+
+
+class MemberSettings(Nodes, ReachLine):
     """Settings that agents and commanders have in common."""
 
     library: str = ""
@@ -246,6 +286,16 @@ class ProcessLine(Nodes):
         return self
 
 
+class MachineLine(ReachLine):
+    """A computer that runs part of the swarm."""
+
+    runs: Texts = ()
+    ssh: Annotated[str, AfterValidator(_destination)] = ""
+    hitab: Annotated[str, AfterValidator(_command)] = "hitab"
+    hosts: Count | None = None
+    takes_over: Texts = ()
+
+
 class SwarmLines(AgentSettings):
     """The whole file."""
 
@@ -263,3 +313,6 @@ class SwarmLines(AgentSettings):
         default_factory=dict
     )
     processes: Annotated[dict[Name, ProcessLine], NONE_IS_EMPTY] = Field(default_factory=dict)
+    machines: Annotated[dict[MachineKey, MachineLine], NONE_IS_EMPTY] = Field(
+        default_factory=dict
+    )

@@ -51,6 +51,10 @@ class SwarmVocabulary:
             "that provides it beside HiTAB"
         )
 
+    def has_robot(self, domain: str) -> bool:
+        """Whether agents of a domain have links of their own, to robots, instead of a world's."""
+        return not self.wrong_domain(domain) and bool(load_domain(domain).link)
+
     def wrong_behavior(self, member: AgentDescription) -> str:
         """Return why a member cannot perform its initial behavior; empty if it may.
 
