@@ -17,7 +17,7 @@ from hitab_core import HitabError
 from hitab_machines.jobs import Jobs
 from hitab_machines.shared_files import READ_MAX, SharedFiles, digest_of, safe_path
 from hitab_ros import names
-from hitab_ros.call import SwarmError, Turns
+from hitab_ros.call import SwarmError
 
 COPIED = ("libraries", "state")
 """Folders in a run folder with what agents have learned."""

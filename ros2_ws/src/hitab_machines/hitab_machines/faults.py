@@ -39,7 +39,7 @@ class MachineFaults:
         Args:
             own: the status of this machine.
             up_s: time since this machine began to listen, s.
-            differing: names of the files that differ on machines with another swarm file.
+            differing: names of the files that differ, by the digest of all on the other machine.
         """
         silent, heard = self._signs.silent(), self._signs.heard
         for name, seconds in sorted(silent.items()):
@@ -68,7 +68,7 @@ class MachineFaults:
                     f"{own.version}; install the same, and start it again"
                 )
             if status.description != own.description:
-                what = differing.get(name) or "the swarm file or a file that it names"
+                what = differing.get(status.description) or "the swarm file or a file that it names"
                 yield (
                     f"{name} was started with other files: {what}; start it again with the files "
                     f"of {self._machine}"

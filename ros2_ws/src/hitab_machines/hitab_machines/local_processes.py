@@ -8,10 +8,10 @@ from typing import Any
 
 from hitab_msgs.msg import MachineProcess
 
-from hitab_bringup.processes.supervision import Leases
 from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.runs.run_processes import STARTING, STOPPED_STATES, process_states
 from hitab_core import HitabError, has
+from hitab_machines.leases import Leases
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from hitab_ros.timing import UPDATE_S
 
@@ -47,7 +47,7 @@ class LocalProcesses:
             self._states = {state["name"]: state for state in found}
         except SwarmError:  # it is busy, such as with a start; its last answer stays
             pass
-        mine = dict.fromkeys((*self._record.machines[self._record.machine], *self._leases))
+        mine = dict.fromkeys((*self._record.processes_here, *self._leases.known))
         return [
             MachineProcess(
                 name=name,

@@ -6,6 +6,7 @@ import os
 import sys
 from pathlib import Path
 
+from hitab_bringup import read_swarm
 from hitab_client import RunFolder, SwarmError
 from hitab_client.runs.run_folder import MARK
 from hitab_machines.machine_node import MachineNode
@@ -22,7 +23,8 @@ def start(spinning: Spinner) -> None:
         raise SwarmError(
             f"{folder.path} has no swarm with machines; `hitab up FILE --machine NAME` starts one"
         )
-    spinning.executor.add_node(MachineNode(folder, record))
+    swarm = read_swarm(Path(record.description))
+    spinning.executor.add_node(MachineNode(folder, record, swarm))
 
 
 def main() -> None:

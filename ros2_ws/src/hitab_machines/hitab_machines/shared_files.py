@@ -53,7 +53,7 @@ class SharedFiles:
 
     def marks(self) -> dict[str, Mark]:
         """Return size and time of each file, by path; opens none."""
-        found = {}
+        found: dict[str, Mark] = {}
         for name, root in self._roots.items():
             for path, mark in _walk(root):
                 if len(found) < FILES_MAX:

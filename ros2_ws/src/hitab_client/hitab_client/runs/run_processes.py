@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import socket
 import time
@@ -19,6 +20,9 @@ from hitab_core import Fix, some
 from hitab_ros.names import WORLD, of_host
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from hitab_ros.timing import DISCOVERY_S, POLL_S, START_S
+
+GROUP = "swarm"
+"""Name of the supervisor's group of all processes."""
 
 ENDED_STATES = ("EXITED", "FATAL", "UNKNOWN")
 STOPPED_STATES = ("STOPPED", "STOPPING")
@@ -51,10 +55,31 @@ def process_states(record: RunRecord, seconds: float = START_S) -> list[dict[str
     Raises:
         SwarmError: if the supervisor does not answer.
     """
+    with _supervisor(record, seconds) as supervisor:
+        return list(supervisor.getAllProcessInfo())
+
+
+def start_process(record: RunRecord, process: str, seconds: float = DISCOVERY_S) -> None:
+    """Have the supervisor start a process of its configuration.
+
+    Args:
+        record: record of the run.
+        process: name of the process.
+        seconds: timeout for the supervisor's answer.
+
+    Raises:
+        SwarmError: if the supervisor does not answer, or does not start it.
+    """
+    with _supervisor(record, seconds) as supervisor:
+        supervisor.startProcess(f"{GROUP}:{process}", False)
+
+
+@contextlib.contextmanager
+def _supervisor(record: RunRecord, seconds: float) -> Iterator[Any]:
+    """Yield the supervisor's functions; raise `SwarmError` if it does not answer."""
     proxy = ServerProxy("http://localhost", transport=_SocketTransport(record.socket, seconds))
     try:
-        found: Any = proxy.supervisor.getAllProcessInfo()
-        return list(found)
+        yield proxy.supervisor
     except (OSError, Fault, ProtocolError, http.client.HTTPException, ExpatError) as error:
         raise SwarmError(
             f'the supervisor of swarm "{record.swarm}" does not answer ({error})',
