@@ -20,7 +20,6 @@ from hitab_bringup.processes.swarm_processes import processes
 from hitab_bringup.swarm_files.swarm_description import PACES, Process
 from hitab_bringup.swarm_files.swarm_options import described_swarm
 from hitab_client.connecting.dds_profile import choose_profile, profile_for
-from hitab_client.connecting.identity import new_identity
 from hitab_client.runs.run_folder import RunFolder
 from hitab_core import HitabError
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
@@ -46,6 +45,7 @@ ARGUMENTS = (
     ("pace", "", "lockstep or realtime; empty for that of the description", ["", *PACES]),
     ("paused", "false", "Whether the world is paused at first", SWITCH),
     ("library", "", "Library for all agents; empty for folders of their own", None),
+    ("machine", "", "This machine, of a swarm on several", None),
     ("agents", "0", "How many, for a world in one file; 0 for the number in the file", None),
 )
 
@@ -67,13 +67,14 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
         pace=given("pace"),
         paused=given("paused") == "true",
         library=given("library"),
+        machine=given("machine"),
         agents=int(agents),
     )
     folder = RunFolder.of_swarm(swarm.name, run_dir)
     folder.prepare()
     prepare(swarm, folder.path)
     profile = dict(os.environ)
-    started = processes(swarm, folder.path, new_identity(swarm.name, launched=True))
+    started = processes(swarm, folder.path, swarm.identity(launched=True))
     choose_profile(profile, profile_for(folder.path, len(started)))
     common: dict[str, Any] = {
         "env": profile,

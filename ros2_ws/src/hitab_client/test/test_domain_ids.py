@@ -26,9 +26,9 @@ def test_a_swarm_without_a_world_is_where_its_robots_drivers_are(monkeypatch):
     runs = [(None, SimpleNamespace(domain_id=0))]
     monkeypatch.setattr(domain_ids, "swarms_here", lambda: runs)
     assert domain_ids.for_swarm() != 0
-    assert domain_ids.for_swarm(has_world=False) == 0
+    assert domain_ids.for_swarm(is_free=False) == 0
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    assert domain_ids.for_swarm(has_world=False) == 7
+    assert domain_ids.for_swarm(is_free=False) == 7
 
 
 def test_a_swarm_of_another_state_folder_is_passed_over(monkeypatch, tmp_path):

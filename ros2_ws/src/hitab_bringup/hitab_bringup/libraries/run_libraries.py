@@ -17,8 +17,8 @@ from hitab_core import each_once
 
 
 def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
-    """Make every agent's library folder; fill new ones from `start_from`."""
-    for agent in swarm.members:
+    """Make the library folder of every agent here; fill new ones from `start_from`."""
+    for agent in swarm.members_here:
         library = library_of(agent, folder)
         library.mkdir(parents=True, exist_ok=True)
         if agent.start_from is not None and not any(library.iterdir()):
@@ -37,22 +37,25 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
     """Write everything that the swarm's processes need to a run folder.
 
     These files are libraries, the members of each host, and the kinds of commanders, which are
-    also written to the commanders' libraries for reference.
+    also written to the commanders' libraries for reference. Rosters and kinds are those of the
+    whole swarm, since this machine may take over the others' processes.
     """
     fill_libraries(swarm, folder)
     write_rosters(swarm, folder)
-    used = {member.name: str(library_of(member, folder)) for member in swarm.members}
+    used = {member.name: str(library_of(member, folder)) for member in swarm.members_here}
     libraries = {agent: Path(library) for agent, library in used.items()}
     set_aside(libraries_of(folder), libraries, folder)
     (folder / LIBRARIES).write_text(json.dumps(used, indent=1) + "\n", encoding="utf-8")
-    files = sorted({agent.domain for agent in swarm.agents if agent.domain.endswith(".py")})
-    (folder / WORLD_FILES).write_text(json.dumps(files) + "\n", encoding="utf-8")
+    worlds = sorted({agent.domain for agent in swarm.agents if agent.domain.endswith(".py")})
+    (folder / WORLD_FILES).write_text(json.dumps(worlds) + "\n", encoding="utf-8")
     bring_back(libraries, folder)
     for commander in swarm.commanders:
-        text = kind_text(commander.kind)
-        for file in (kind_file(commander, folder), library_of(commander, folder) / KIND_FILE):
+        files = [kind_file(commander, folder)]
+        if commander.name in used:
+            files.append(library_of(commander, folder) / KIND_FILE)
+        for file in files:
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(text, encoding="utf-8")
+            file.write_text(kind_text(commander.kind), encoding="utf-8")
 
 
 def read_only(folder: Path) -> list[str]:

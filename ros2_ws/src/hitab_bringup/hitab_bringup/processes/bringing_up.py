@@ -36,6 +36,7 @@ from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.runs.swarm_choice import way_to_stop
 from hitab_client.terminal.cli_remedies import called, with_commands
 from hitab_core import Fix, each_once, some
+from hitab_ros.names import WORLD
 from hitab_ros.timing import ANSWER_S, DISCOVERY_EACH_S, POLL_S, PROMPT_S, SETTLE_S, START_S
 
 DOMAINS_TRIED = 3  # maximum number, if names are taken
@@ -69,6 +70,8 @@ def bring_up(
 ) -> RunRecord:
     """Start a swarm that stays up, and wait until every agent and the world answer.
 
+    Of a swarm on several machines, this is the part on the chosen machine.
+
     Args:
         swarm: the description.
         folder: run folder.
@@ -82,19 +85,20 @@ def bring_up(
             owner. No process is left running.
     """
     refused: list[int] = []
+    is_free = swarm.world is not None and not swarm.machine  # to choose a ROS domain
     while True:
         with contextlib.ExitStack() as stack:
             try:
                 with registry_held():
                     supervision.refuse_running(folder)
-                    domain_id = domain_ids.for_swarm(refused, has_world=swarm.world is not None)
+                    domain_id = domain_ids.for_swarm(refused, is_free=is_free)
                     _refuse_conflicts(swarm, folder, domain_id)
                     record = stack.enter_context(_started(swarm, folder, domain_id, say=say))
                 await_up(swarm, record, folder, progress, warn)
                 return record
             except NamesTakenError as error:
                 refused.append(error.domain_id)
-                fixed = swarm.world is None or domain_ids.chosen_by_user() is not None
+                fixed = not is_free or domain_ids.chosen_by_user() is not None
                 if fixed or len(refused) == DOMAINS_TRIED:
                     raise
                 owner = f"ROS domain {error.domain_id} is in use by {error.owner}"
@@ -185,8 +189,8 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
         here = (record.domain_id, record.namespace) == (domain_id, swarm.namespace)
         if other.path == folder.path or not here:
             continue
-        both = [name for name in swarm.agent_names if name in record.agents]
-        if record.world and swarm.world is not None:
+        both = [member.name for member in swarm.members_here if member.name in record.agents_here]
+        if record.world_here and swarm.world is not None and swarm.runs(WORLD):
             both.append("world")
         why = ""
         if both:
@@ -211,7 +215,7 @@ def _another_domain(has_drivers: bool) -> str:
 
 def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
     """Refuse names that any other node in the ROS domain uses."""
-    taken = agents.strangers | (world.strangers if record.world else {})
+    taken = agents.strangers | (world.strangers if record.world_here else {})
     if not taken:
         return
     other = next(iter(taken.values()))
@@ -236,17 +240,21 @@ def _answering(
     prefix, identity = record.namespace, record.identity
     with RosLink(record.domain_id) as link:
         agents = SwarmClient(
-            link, record.agents, prefix=prefix, identity=identity, processes=RunProcesses(record)
+            link,
+            record.agents_here,
+            prefix=prefix,
+            identity=identity,
+            processes=RunProcesses(record),
         )
         if agents.is_large:
             agents.watch_all()
         world = WorldClient(link, prefix=prefix, identity=identity, started_by_it=record.world)
         view = CommanderView(agents)
-        view.watch(record.commanders)
+        view.watch(_commanders_here(swarm))
         # Otherwise a commander starts with its known members, and the others join later.
         groups = view.incomplete if _is_exact(swarm) else {}
         starting = RunningSwarm(folder, record, link, agents, world, view)
-        total = len(record.agents) + record.world
+        total = len(record.agents_here) + record.world_here
         next_look = time.monotonic()
 
         def missing() -> Collection[str]:
@@ -254,7 +262,7 @@ def _answering(
                 return names
             status = world.status
             lacks = status is None or not agents.expected.keys().isdisjoint(status.missing)
-            return ("world",) if record.world and lacks else ()
+            return ("world",) if record.world_here and lacks else ()
 
         def complete() -> bool:
             nonlocal next_look
@@ -267,7 +275,7 @@ def _answering(
                 next_look = time.monotonic() + POLL_S
             return not names
 
-        running = len({member.process for member in swarm.members})
+        running = len({member.process for member in swarm.members_here})
         allowed = START_S + 10 * DISCOVERY_EACH_S * total + PROMPT_S * running
         if not link.spin_until(complete, allowed):
             names = list(missing())
@@ -278,6 +286,12 @@ def _answering(
                 Fix.DOCTOR(),
             )
         yield starting
+
+
+def _commanders_here(swarm: SwarmDescription) -> list[str]:
+    """Return the commanders here with all their subordinates; the others wait for machines."""
+    here = {member.name for member in swarm.members_here}
+    return [c.name for c in swarm.commanders if {c.name, *c.subordinates} <= here]
 
 
 def _show(progress: Progress, missing: Collection[str], total: int) -> None:

@@ -24,11 +24,10 @@ from hitab_bringup.processes.supervisor_config import (
     supervisor_config,
     write_commands,
 )
-from hitab_bringup.processes.swarm_processes import processes
+from hitab_bringup.processes.swarm_processes import all_processes, process_names, processes
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.connecting.dds_profile import RANGE, choose_profile, profile_for
-from hitab_client.connecting.identity import new_identity
 from hitab_client.runs.run_folder import MARK
 from hitab_client.runs.run_processes import ENDED_STATES, answers, process_states
 from hitab_client.runs.swarm_choice import way_to_stop
@@ -82,8 +81,9 @@ def launch(
     stop(folder)
     prepare(swarm, folder.path)
     socket = folder.socket_path()
-    identity = new_identity(swarm.name)
+    identity = swarm.identity()
     started = processes(swarm, folder.path, identity)
+    everywhere = all_processes(swarm, folder.path, identity)
     for process in started:
         folder.log(process.name).unlink(missing_ok=True)
     write_commands(started, folder.path)
@@ -102,8 +102,10 @@ def launch(
         str(socket),
         identity,
         tuple(commander.name for commander in swarm.commanders),
-        {process.name: process.agents for process in started},
+        {process.name: process.agents for process in everywhere},
         swarm.namespace,
+        swarm.machine,
+        process_names(swarm, everywhere) if swarm.machine else {},
     )
     folder.write(record, register=not temporary)
     _await_answer(supervisor, record, folder)
@@ -140,7 +142,7 @@ def _await_answer(
     Raises:
         SwarmError: if the supervisor does not answer; its processes are stopped.
     """
-    deadline = time.monotonic() + ANSWER_S + PROMPT_S * len(record.processes)
+    deadline = time.monotonic() + ANSWER_S + PROMPT_S * len(record.processes_here)
     while not answers(record):
         if supervisor.poll() is not None or time.monotonic() > deadline:
             out = (folder.path / "supervisord.out").read_text(errors="replace").strip()

@@ -9,6 +9,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+from hitab_bringup.processes.leases import Leases
 from hitab_bringup.swarm_files.swarm_description import (
     AgentDescription,
     CommanderDescription,
@@ -22,6 +23,7 @@ from hitab_ros.names import WORLD
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
+MACHINE_MODULE = "hitab_machines.machine_main"
 ALL_ENDPOINTS_MAX = 10
 """Number of agents and commanders up to which hosts open all of their endpoints at once, so that
 ROS's tools list them; more would make the start noticeably longer."""
@@ -39,21 +41,63 @@ COMMANDER_NODE = "hitab_commander.commander_node:CommanderNode"
 
 
 def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list[Process]:
-    """Return the processes of a swarm, the world first.
+    """Return the processes of a swarm that run here, the world first.
+
+    In a swarm on several machines, these are the machine's own, and the machine's node.
 
     Args:
         swarm: the description.
         folder: the run folder, for libraries and journals.
         identity: identity of the swarm, which its nodes publish in their statuses; empty if none.
     """
+    found = all_processes(swarm, folder, identity)
+    if not swarm.machine:
+        return found
+    here = process_names(swarm, found)[swarm.machine]
+    settings = {"machine": swarm.machine, "swarm": identity, "run_dir": str(folder.resolve())}
+    space, remap = swarm.full_name(swarm.machine), swarm.remap({})
+    node = Process(swarm.machine, MACHINE_MODULE, (), space, remap, settings)
+    return [*(process for process in found if process.name in here), node]
+
+
+def process_names(
+    swarm: SwarmDescription, found: Sequence[Process]
+) -> dict[str, tuple[str, ...]]:
+    """Return the names of the processes on each machine; companions run beside their agents.
+
+    Args:
+        swarm: the description.
+        found: all processes of the swarm, see `all_processes`.
+    """
+    beside = {swarm.full_name(agent.name): agent.process for agent in swarm.agents}
+    listed = {name for machine in swarm.machines for name in machine.processes}
+    return {
+        machine.name: tuple(
+            process.name
+            for process in found
+            if process.name in machine.processes
+            or (
+                process.name not in listed and beside[process.namespace] in machine.processes
+            )
+        )
+        for machine in swarm.machines
+    }
+
+
+def all_processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list[Process]:
+    """Return the processes of a swarm, wherever they run, with the settings to run them here.
+
+    See `processes`; the nodes of machines are not among them.
+    """
     own = {"swarm": identity} if identity else {}
     found = [] if swarm.world is None else [_world(swarm, swarm.world, folder, own)]
     shared = _shared(swarm)
     alone = {**own, "services_on_demand": True} if len(shared) > EAGER_PROCESSES_MAX else own
+    leases = Leases(folder)
     for name, members in shared.items():
         first = members[0]
         names = tuple(member.name for member in members)
-        if names == (name,):
+        if not _is_host(swarm, members):
             module = COMMANDER_MODULE if isinstance(first, CommanderDescription) else AGENT_MODULE
             space, remap = swarm.full_name(name), swarm.remap(first.remap)
             settings = {**_settings(first, folder), **alone}
@@ -63,6 +107,8 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
             chosen, is_small = swarm.all_endpoints, len(swarm.members) <= ALL_ENDPOINTS_MAX
             if chosen or (chosen is None and is_small):
                 settings["all_endpoints"] = True
+            if swarm.machine:
+                settings |= {"machine": swarm.machine, "lease": leases.of(name)}
             found.append(
                 Process(name, HOST_MODULE, (), swarm.namespace, {}, settings, agents=names)
             )
@@ -74,6 +120,11 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     started = {(process.module, process.namespace) for process in found}
     companions = _companions(swarm, folder)
     return [*found, *(p for p in companions if (p.module, p.namespace) not in started)]
+
+
+def _is_host(swarm: SwarmDescription, members: Sequence[AgentDescription]) -> bool:
+    """Whether a process is a host; on several machines all are, since hosts have leases."""
+    return bool(swarm.machine) or [m.name for m in members] != [members[0].process]
 
 
 def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
@@ -133,18 +184,22 @@ def _world(
         "factor": world.factor,
         "seed": world.seed,
         "paused": world.paused,
-        "hosts": sum(map(_hosts_bodies, _shared(swarm).values())),
+        "hosts": sum(_hosts_bodies(swarm, members) for members in _shared(swarm).values()),
         "state_dir": _state(folder),
         **{f"parameters.{name}": value for name, value in world.parameters.items()},
         **own,
     }
+    if swarm.machine:
+        parameters["machines"] = tuple(machine.name for machine in swarm.machines)
     space, remap = swarm.full_name(WORLD), swarm.remap(world.remap)
     return Process(WORLD, world.module, (), space, remap, parameters)
 
 
-def _hosts_bodies(members: Sequence[AgentDescription]) -> bool:
-    """Whether the members of a process, which are several, include agents of a world."""
-    return len(members) > 1 and not all(isinstance(m, CommanderDescription) for m in members)
+def _hosts_bodies(swarm: SwarmDescription, members: Sequence[AgentDescription]) -> bool:
+    """Whether a process is a host whose members include agents of a world."""
+    return _is_host(swarm, members) and not all(
+        isinstance(m, CommanderDescription) for m in members
+    )
 
 
 def library_of(member: AgentDescription, folder: Path) -> Path:

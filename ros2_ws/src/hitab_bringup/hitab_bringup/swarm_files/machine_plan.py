@@ -128,7 +128,9 @@ class MachinePlan:
         )
 
     def machines(self, members: Sequence[AgentDescription]) -> Iterator[MachineDescription]:
-        """Yield the machines with the processes of placed members, and all others."""
+        """Yield the machines, each with the processes of placed members, and with the others."""
+        if not self._file.machines:
+            return
         inside: dict[str, dict[str, list[str]]] = {}
         for member in members:
             machines = inside.setdefault(member.process, {})

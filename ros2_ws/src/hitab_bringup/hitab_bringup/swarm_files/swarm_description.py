@@ -43,6 +43,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_client import DescriptionError
+from hitab_client.connecting.identity import new_identity, shared_identity
 from hitab_commander import CommanderKind
 from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE, has
 
@@ -231,10 +232,31 @@ class SwarmDescription:
         return tuple(member.name for member in self.members)
 
     @property
+    def members_here(self) -> tuple[AgentDescription, ...]:
+        """The agents and commanders that run on the chosen machine."""
+        return tuple(member for member in self.members if self.runs(member.process))
+
+    def runs(self, process: str) -> bool:
+        """Whether a process of a member, a further process or the world runs here."""
+        here = {name for m in self.machines if m.name == self.machine for name in m.processes}
+        return not self.machine or process in here
+
+    @property
     def uses_sim_time(self) -> bool:
         """Whether some nodes of the swarm take their time from the topic ``/clock``."""
         nodes: tuple[AgentDescription | Process, ...] = (*self.members, *self.processes)
         return any(node.parameters.get(SIM_TIME) for node in nodes)
+
+    def identity(self, *, launched: bool = False) -> str:
+        """Return an identity: that of the swarm on all its machines, or else a new one.
+
+        Args:
+            launched: whether the swarm is started without `hitab up`.
+        """
+        if self.machine:
+            machines = (machine.name for machine in self.machines)
+            return shared_identity(self.name, self.namespace, machines)
+        return new_identity(self.name, launched=launched)
 
     def full_name(self, name: str) -> str:
         """Return a name in the namespace of the swarm, such as ``/left/robot_1``."""

@@ -27,6 +27,7 @@ from hitab_bringup.swarm_files.swarm_lines import (
     MemberSettings,
     Nodes,
     ProcessLine,
+    ReachLine,
     SwarmLines,
     WorldLine,
     module_exists,
@@ -187,7 +188,8 @@ class _Reader:
         self._complaints.raise_any()
         machines = tuple(plan.machines((*agents, *commanders)))
         self._complaints.raise_any()
-        own = {m.name: file.agents[key] for key, group in groups.items() for m in group}
+        own: dict[str, ReachLine] = {}
+        own |= {m.name: file.agents[key] for key, group in groups.items() for m in group}
         own |= {m.name: file.commanders[key] for key, group in lines.items() for m in group}
         reach = {name: file.machines[m.name] for m in machines for name in m.processes}
         agents, commanders = with_reach(agents, commanders, own, file, reach)

@@ -22,9 +22,14 @@ def described_swarm(
     pace: str = "",
     paused: bool = False,
     library: str = "",
+    machine: str | None = None,
     agents: int = 0,
 ) -> SwarmDescription:
-    """Return the swarm that the options of `hitab up` describe."""
+    """Return the swarm that the options of `hitab up` describe.
+
+    Args:
+        machine: the machine whose part is to be started; None for the whole swarm.
+    """
     if swarm.endswith(".py"):
         described = _of_simulation(Path(swarm).resolve(), agents, run_dir)
     elif agents:
@@ -39,7 +44,16 @@ def described_swarm(
         described = described.with_world(pace=pace)
     if paused:
         described = described.with_world(paused=True)
-    return with_library(described, library) if library else described
+    if machine is not None:
+        described = described.on_machine(machine)
+    if not library:
+        return described
+    if described.machines:
+        raise HitabError(
+            f"{swarm}: each machine keeps the libraries of its agents in its run folder; leave "
+            "out --library, and write `start_from:` in the swarm file"
+        )
+    return with_library(described, library)
 
 
 def _of_simulation(path: Path, agents: int, run_dir: Path | None) -> SwarmDescription:

@@ -16,20 +16,20 @@ def chosen_by_user() -> int | None:
     return int(value) if value.isdigit() else None
 
 
-def for_swarm(refused: Collection[int] = (), *, has_world: bool = True) -> int:
+def for_swarm(refused: Collection[int] = (), *, is_free: bool = True) -> int:
     """Return the domain id for a new swarm: the user's, else 0, else an unused one.
 
     Other programs may use 0 as well: plain ROS tools look for the swarm in domain 0.
 
     Args:
         refused: domain ids in which the swarm's names are in use.
-        has_world: whether the swarm has a world; otherwise only 0 is possible, since the drivers
-            of its robots, which are started elsewhere, are in domain 0.
+        is_free: whether the swarm can be in any domain; otherwise only 0 is possible, since
+            drivers of its robots or other machines, which are started elsewhere, are in domain 0.
     """
     own = chosen_by_user()
     if own is not None:
         return own
-    if not has_world:
+    if not is_free:
         return 0
     taken = {record.domain_id for _, record in swarms_here()} | set(refused)
     if 0 not in taken:

@@ -192,7 +192,8 @@ class RunFolder:
         partial.write_text(json.dumps(asdict(record), indent=2) + "\n", encoding="utf-8")
         partial.replace(self.record_file)
         if register:
-            link = _registry() / (record.identity or record.swarm)
+            name = record.identity or record.swarm
+            link = _registry() / (f"{name}-{record.machine}" if record.machine else name)
             link.parent.mkdir(parents=True, exist_ok=True)
             self._unregister()
             link.symlink_to(self.path)

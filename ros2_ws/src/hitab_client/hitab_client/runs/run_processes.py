@@ -176,8 +176,9 @@ class RunProcesses:
                 yield from members
 
     def is_hosted(self, name: str) -> bool:
-        """Whether an agent or commander runs in a process with others."""
-        return len(self._members.get(self.process_of(name), ())) > 1
+        """Whether an agent or commander runs in a host."""
+        fewest = 1 if self._record is not None and self._record.machines else 2
+        return len(self._members.get(self.process_of(name), ())) >= fewest
 
     def hosts_within(self, agents: Set[str]) -> dict[str, Sequence[str]]:
         """Return the agents of each host all of whose agents are among these, by its ROS name."""
