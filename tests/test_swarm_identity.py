@@ -155,7 +155,7 @@ def test_a_library_that_was_being_copied_is_copied_again(apart):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(libraries.shutil, "copyfile", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            fill_libraries(swarm, apart / "run")
-    fill_libraries(swarm, apart / "run")
+            fill_libraries(swarm.members, apart / "run")
+    fill_libraries(swarm.members, apart / "run")
     names = sorted(path.name for path in (apart / "run" / "libraries" / "lone").iterdir())
     assert names == ["A.hfa.yaml", "B.hfa.yaml"]

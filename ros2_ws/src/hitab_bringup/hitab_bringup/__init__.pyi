@@ -26,6 +26,7 @@ from .libraries.library_choice import users_of as users_of
 from .libraries.opened_library import domain_in as domain_in
 from .libraries.opened_library import open_library as open_library
 from .libraries.run_libraries import copy_library as copy_library
+from .libraries.run_libraries import fill_libraries as fill_libraries
 from .libraries.unsaved_trainings import left_to_resume as left_to_resume
 from .processes.bringing_up import RunningSwarm as RunningSwarm
 from .processes.bringing_up import bring_up as bring_up

@@ -69,6 +69,8 @@ class Copies:
 
     async def _follow(self, machine: str, token: str) -> None:
         await self.bring(machine)
+        self._mark(machine).parent.mkdir(parents=True, exist_ok=True)
+        self._mark(machine).touch()
         self._tokens[machine] = token
 
     async def bring(self, machine: str, wanted: Callable[[str], bool] = lambda path: True) -> None:
@@ -100,8 +102,6 @@ class Copies:
                 for files in whole:
                     _install(self.of(machine), [found[path] for path in files])
                 folders = folders[len(whole) :]
-        self._mark(machine).parent.mkdir(parents=True, exist_ok=True)
-        self._mark(machine).touch()
 
     async def read(self, machine: str, kind: str, paths: list[str] | None = None) -> Any:
         """Return the files of a machine: a list, or the contents of some.

@@ -8,6 +8,7 @@ from hitab_msgs.msg import MachineStatus
 
 from hitab_core import some
 from hitab_machines.machine_signs import MachineSigns
+from hitab_machines.placement import running
 from hitab_ros.timing import DISCOVERY_S, HEARTBEAT_S
 
 OFFSET_MAX_S = 1.0
@@ -68,7 +69,9 @@ class MachineFaults:
                     f"{own.version}; install the same, and start it again"
                 )
             if status.description != own.description:
-                what = differing.get(status.description) or "the swarm file or a file that it names"
+                what = (
+                    differing.get(status.description) or "the swarm file or a file that it names"
+                )
                 yield (
                     f"{name} was started with other files: {what}; start it again with the files "
                     f"of {self._machine}"
@@ -80,11 +83,6 @@ class MachineFaults:
                     f"{self._machine}: leases do not depend on it, but times in logs do, and a "
                     "commander that moves may be disregarded for as long; set it, such as by NTP"
                 )
-
-
-def running(status: MachineStatus) -> list[str]:
-    """Return the processes with agents that run on a machine."""
-    return [p.name for p in status.processes if p.agents and p.state in ("running", "starting")]
 
 
 def silence(machine: str, seconds: float, processes: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from hitab_bringup import SwarmDescription
+from hitab_bringup import SwarmDescription, fill_libraries
 from hitab_core.library.durable_files import sync_together
 
 
@@ -61,6 +61,7 @@ class LearnedFiles:
                 yield f"{place}: the agents of {process} use that of this machine"
             elif (source / place).exists():
                 installed.append(self._replace(source / place, self._folder / place))
+        fill_libraries((m for m in self._swarm.members if m.process == process), self._folder)
         sync_together(
             path for place in installed for path in (place, *place.rglob("*"), place.parent)
         )

@@ -8,10 +8,11 @@ from typing import Any
 
 from hitab_msgs.msg import MachineProcess
 
+from hitab_bringup.processes.leases import Leases
 from hitab_client import RunFolder, RunRecord, SwarmError
-from hitab_client.runs.run_processes import STARTING, STOPPED_STATES, process_states
+from hitab_client.runs.run_processes import ENDED_STATES, STARTING, STOPPED_STATES, process_states
 from hitab_core import HitabError, has
-from hitab_machines.leases import Leases
+from hitab_machines.placement import ENDED, RUNNING, STARTS, STOPPED, YIELDED
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from hitab_ros.timing import UPDATE_S
 
@@ -20,9 +21,6 @@ LINES_MAX = 1000
 
 LOG_BYTES_MAX = 1_000_000
 """Maximum size of the part of a log in an answer."""
-
-RUNNING, STARTS, STOPPED, ENDED, YIELDED = "running", "starting", "stopped", "ended", "yielded"
-"""States of a process; see MachineProcess.msg."""
 
 
 class LocalProcesses:
@@ -59,10 +57,11 @@ class LocalProcesses:
         ]
 
     def _state(self, name: str) -> str:
-        if self._leases.is_yielded(name):
-            return YIELDED
+        yielded = self._leases.is_yielded(name)
         state = self._states.get(name, {})
-        said = state.get("statename", "STARTING")
+        said = state.get("statename", "EXITED" if yielded else "STARTING")
+        if yielded and said in ENDED_STATES:
+            return YIELDED
         restarts = said == "EXITED" and state["exitstatus"] != DO_NOT_RESTART
         if said in STARTING or restarts:
             return STARTS

@@ -10,16 +10,16 @@ from hitab_msgs.msg import HostRoster
 from hitab_msgs.srv import RunProcess
 
 from hitab_bringup import SwarmDescription
+from hitab_bringup.processes.leases import Leases
+from hitab_bringup.processes.supervision import add_process
 from hitab_client import RunFolder, RunRecord
-from hitab_client.runs.run_processes import start_process
 from hitab_core import HitabError, has, load_domain, quantity, some
 from hitab_machines.copies import Copies
-from hitab_machines.faults import running
 from hitab_machines.jobs import Jobs
 from hitab_machines.learned_files import LearnedFiles
-from hitab_machines.leases import Leases, set_lease
-from hitab_machines.machine_signs import MachineSigns
+from hitab_machines.placement import Placement, running
 from hitab_ros import GuardedNode, names, qos
+from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import SwarmError
 from hitab_ros.names import WORLD
 from hitab_ros.timing import DISCOVERY_S, FOUND_S, PROMPT_S, START_S
@@ -48,7 +48,7 @@ class TakingOver:
 
     Args:
         node: the node of this machine.
-        signs: the signs of the other machines.
+        placement: which machine has which process.
         folder: run folder of the swarm here.
         record: record of the run.
         swarm: the swarm's description.
@@ -60,7 +60,7 @@ class TakingOver:
     def __init__(
         self,
         node: GuardedNode,
-        signs: MachineSigns,
+        placement: Placement,
         folder: RunFolder,
         record: RunRecord,
         swarm: SwarmDescription,
@@ -68,7 +68,8 @@ class TakingOver:
         leases: Leases,
         copies: Copies,
     ) -> None:
-        self._signs, self._jobs, self._leases, self._copies = signs, jobs, leases, copies
+        self._placement, self._signs = placement, placement.signs
+        self._jobs, self._leases, self._copies = jobs, leases, copies
         self._folder, self._record = folder, record
         self._learned = LearnedFiles(swarm, folder.path)
         self._rescuers = {
@@ -101,8 +102,9 @@ class TakingOver:
         if roster.machine == record.machine:
             self._rosters[process] = roster
         elif roster.machine in record.machines and self._is_here(process):
-            own = (self._leases.of(process), roster.machine)
-            if (roster.lease, record.machine) > own:
+            own = self._leases.of(process)
+            newer = (roster.lease, record.machine) > (own, roster.machine)
+            if newer and roster.lease <= own + LEASE_AHEAD_MAX:
                 self._leases.give_up(process, roster.lease)
 
     def look(self, silent: Mapping[str, float]) -> None:
@@ -117,39 +119,18 @@ class TakingOver:
             if seconds < TAKE_OVER_AFTER_S or own != min(able, default=""):
                 continue
             for process in running(self._signs.heard[lost].status):
-                lease = self.newest_lease(process) + 1
-                if self._owner(process) == lost and not self._jobs.is_running(_job(process)):
+                lease = self._placement.newest_lease(process) + 1
+                is_free = self._placement.holder(process) == lost and not self._robots_in(process)
+                is_new = (process, lease) not in self._outcomes
+                if is_free and is_new and not self._jobs.is_running(_job(process)):
                     self._begin(process, lease)
 
-    def newest_lease(self, process: str) -> int:
-        """Return the highest lease of a process that this machine knows."""
-        return max(self._leases.of(process), *self._elsewhere(process).values(), 0)
-
-    def _elsewhere(self, process: str) -> dict[str, int]:
-        """Return the leases of a process by the machine that reports it."""
-        return {
-            name: inside.lease
-            for name, machine in self._signs.heard.items()
-            for inside in machine.status.processes
-            if inside.name == process and name in self._record.machines
-        }
+    def _robots_in(self, process: str) -> list[str]:
+        return sorted(self._robots.intersection(self._record.processes[process]))
 
     def _is_here(self, process: str) -> bool:
-        own = process in (*self._record.processes_here, *self._leases.known)
+        own = process in (*self._record.processes_here, *self._leases.taken)
         return own and not self._leases.is_yielded(process)
-
-    def _owner(self, process: str) -> str:
-        """Return the machine that runs a process, or did when it was last heard."""
-        leases = {
-            name: inside.lease
-            for name, machine in self._signs.heard.items()
-            for inside in machine.status.processes
-            if inside.name == process and inside.state != "yielded"
-        }
-        if self._is_here(process):
-            leases[self._record.machine] = self._leases.of(process)
-        by_file = (name for name, inside in self._record.machines.items() if process in inside)
-        return max(leases, key=lambda name: leases[name], default=next(by_file))
 
     def _begin(self, process: str, lease: int) -> Outcome:
         self._check(process, lease)
@@ -168,32 +149,32 @@ class TakingOver:
         movable = [name for name, agents in inside.items() if agents]
         if process == WORLD:
             raise HitabError(
-                f"{WORLD} stays on {self._owner(process)}: it has no lease, so two might run"
+                f"{WORLD} stays on {self._placement.holder(process)}: it has no lease, so that "
+                "two might run; name another machine in the swarm file, and start the swarm again"
             )
         if process not in movable:
             raise HitabError(f'no process "{process}" has agents {has(movable, process)}')
-        agents = self._record.processes[process]
-        if robots := self._robots.intersection(agents):
+        if robots := self._robots_in(process):
             raise HitabError(
-                f"{process} stays on {self._owner(process)}: {some(sorted(robots))} "
-                "drive robots, which are there"
+                f"{process} stays on {self._placement.holder(process)}: "
+                f"{some(robots)} {'drives a robot' if len(robots) == 1 else 'drive robots'} there"
             )
         if self._jobs.is_running(_job(process)):
             raise HitabError(f"{process} is just being started on {here}; ask again in a moment")
         if self._is_here(process):
             raise HitabError(f"{process} runs on {here} already")
-        known = self.newest_lease(process)
+        known = self._placement.newest_lease(process)
         if not known < lease <= known + LEASE_AHEAD_MAX:
             raise HitabError(
                 f"the lease {lease} of {process} is not the next after {known}, the newest one of "
-                f"{self._owner(process)}; look with `hitab status`, and ask again"
+                f"{self._placement.holder(process)}; look with `hitab status`, and ask again"
             )
 
     async def _run(self, process: str, lease: int, outcome: Outcome) -> None:
         try:
             outcome.lost = await self._start(process, lease)
-        except HitabError as error:
-            outcome.error = error.problem
+        except Exception as error:
+            outcome.error = what_went_wrong(error)
             raise
         agents = self._record.processes[process]
         outcome.message = (
@@ -202,12 +183,12 @@ class TakingOver:
         )
 
     async def _start(self, process: str, lease: int) -> list[str]:
-        owner, claimed_ns = self._owner(process), time.time_ns()
+        owner, claimed_ns = self._placement.holder(process), time.time_ns()
         lost = [*await self._claim(process, lease, owner), *await self._bring(process, owner)]
-        lost += self._learned.install(process, self._copies.of(owner), self._is_here)
+        if owner:
+            lost += self._learned.install(process, self._copies.of(owner), self._is_here)
         self._leases.take(process, lease)
-        set_lease(self._folder.path, process, lease)
-        start_process(self._record, process)
+        add_process(self._folder, self._record, process, lease)
 
         def is_up() -> bool:
             roster = self._rosters.get(process)
@@ -252,6 +233,8 @@ class TakingOver:
 
     async def _bring(self, process: str, owner: str) -> list[str]:
         """Copy what the agents of a process have learned; return what may be lost."""
+        if not owner:
+            return ["no machine is known to have it: it begins with what is here"]
         silence = self._signs.silent().get(owner)
         if silence is None and owner in self._signs.heard:
             try:

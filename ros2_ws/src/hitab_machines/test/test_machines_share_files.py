@@ -20,7 +20,8 @@ def shared(tmp_path: Path) -> SharedFiles:
 
 
 @pytest.mark.parametrize(
-    "path", ["", "/etc/passwd", "libraries/../../secret", "..", "a//b", "./a", "a/", "a\\b", "a\nb"]
+    "path",
+    ["", "/etc/passwd", "libraries/../../secret", "..", "a//b", "./a", "a/", "a\\b", "a\nb"],
 )
 def test_odd_paths_are_refused(path: str) -> None:
     with pytest.raises(HitabError, match="is not a path in a shared folder"):

@@ -33,6 +33,7 @@ from .nodes.spinning import make_node as make_node
 from .nodes.spinning import run as run
 from .nodes.steady_timer import steady_timer as steady_timer
 from .nodes.unique_name import check_name_is_free as check_name_is_free
+from .presence import ROSTERS as ROSTERS
 from .presence import HostRosters as HostRosters
 from .presence import ListenedTime as ListenedTime
 from .presence import Presence as Presence

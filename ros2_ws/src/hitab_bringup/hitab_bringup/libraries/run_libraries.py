@@ -6,19 +6,20 @@ import json
 import os
 import shutil
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
 from hitab_bringup.libraries.unsaved_trainings import bring_back, set_aside
 from hitab_bringup.processes.swarm_processes import kind_file, library_of, write_rosters
-from hitab_bringup.swarm_files.swarm_description import SwarmDescription
+from hitab_bringup.swarm_files.swarm_description import AgentDescription, SwarmDescription
 from hitab_client.runs.run_folder import LIBRARIES, WORLD_FILES, libraries_of
 from hitab_commander import KIND_FILE, kind_text
 from hitab_core import each_once
 
 
-def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
-    """Make the library folder of every agent here; fill new ones from `start_from`."""
-    for agent in swarm.members_here:
+def fill_libraries(members: Iterable[AgentDescription], folder: Path) -> None:
+    """Make the library folder of every member; fill new ones from `start_from`."""
+    for agent in members:
         library = library_of(agent, folder)
         library.mkdir(parents=True, exist_ok=True)
         if agent.start_from is not None and not any(library.iterdir()):
@@ -40,7 +41,7 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
     also written to the commanders' libraries for reference. Rosters and kinds are those of the
     whole swarm, since this machine may take over the others' processes.
     """
-    fill_libraries(swarm, folder)
+    fill_libraries(swarm.members_here, folder)
     write_rosters(swarm, folder)
     used = {member.name: str(library_of(member, folder)) for member in swarm.members_here}
     libraries = {agent: Path(library) for agent, library in used.items()}

@@ -1,1 +1,2 @@
+from . import leases as leases
 from . import supervision as supervision

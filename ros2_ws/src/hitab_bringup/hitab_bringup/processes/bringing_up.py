@@ -17,6 +17,7 @@ from hitab_msgs.msg import WorldState
 from hitab_bringup.libraries.run_libraries import read_only
 from hitab_bringup.libraries.unsaved_trainings import announcements
 from hitab_bringup.processes import supervision
+from hitab_bringup.processes.leases import as_leased
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_bringup.swarm_files.swarm_file import parameter_places
 from hitab_client import (
@@ -84,6 +85,7 @@ def bring_up(
         SwarmError: if the start fails; names the failed processes, or the names in use and their
             owner. No process is left running.
     """
+    swarm = as_leased(swarm, folder.path)
     refused: list[int] = []
     is_free = swarm.world is not None and not swarm.machine  # to choose a ROS domain
     while True:

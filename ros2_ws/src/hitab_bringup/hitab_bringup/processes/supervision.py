@@ -21,6 +21,8 @@ import psutil  # type: ignore[import-untyped]
 from hitab_bringup.libraries.run_libraries import prepare
 from hitab_bringup.processes.supervisor_config import (
     SOCKET_VARIABLE,
+    program,
+    set_parameter,
     supervisor_config,
     write_commands,
 )
@@ -29,10 +31,10 @@ from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.connecting.dds_profile import RANGE, choose_profile, profile_for
 from hitab_client.runs.run_folder import MARK
-from hitab_client.runs.run_processes import ENDED_STATES, answers, process_states
+from hitab_client.runs.run_processes import ENDED_STATES, answers, process_states, start_process
 from hitab_client.runs.swarm_choice import way_to_stop
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
-from hitab_ros.timing import ANSWER_S, PROMPT_S
+from hitab_ros.timing import ANSWER_S, DISCOVERY_S, PROMPT_S
 
 
 def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[str, str]:
@@ -86,7 +88,7 @@ def launch(
     everywhere = all_processes(swarm, folder.path, identity)
     for process in started:
         folder.log(process.name).unlink(missing_ok=True)
-    write_commands(started, folder.path)
+    write_commands([*everywhere, *started], folder.path)
     folder.configuration.write_text(supervisor_config(started), encoding="utf-8")
     variables = environment(folder, domain_id, len(started))
     variables[SOCKET_VARIABLE] = str(socket)
@@ -110,6 +112,19 @@ def launch(
     folder.write(record, register=not temporary)
     _await_answer(supervisor, record, folder)
     return record
+
+
+def add_process(folder: RunFolder, record: RunRecord, process: str, lease: int) -> None:
+    """Start a process of a running swarm that its supervisor does not run, under a lease.
+
+    Raises:
+        SwarmError: if the supervisor does not start it.
+    """
+    set_parameter(process, folder.path, "lease", lease)
+    if process not in {state["name"] for state in process_states(record, DISCOVERY_S)}:
+        with folder.configuration.open("a", encoding="utf-8") as file:
+            file.write(program(process))
+    start_process(record, process)
 
 
 def _spawn(

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hitab_bringup.swarm_files.swarm_description import Process
+from hitab_client.runs.run_processes import GROUP
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 from hitab_ros.timing import FOUND_S
 
@@ -30,6 +31,14 @@ def write_commands(processes: Sequence[Process], folder: Path) -> None:
         (commands / process.name).write_text(line, encoding="utf-8")
 
 
+def set_parameter(process: str, folder: Path, name: str, value: int) -> None:
+    """Change a parameter in the command of a process."""
+    file = folder / COMMANDS_FOLDER / process
+    words = shlex.split(file.read_text(encoding="utf-8"))
+    changed = (f"{name}:={value}" if word.startswith(f"{name}:=") else word for word in words)
+    file.write_text(f"{shlex.join(changed)}\n", encoding="utf-8")
+
+
 def supervisor_config(processes: Sequence[Process]) -> str:
     """Return the text of ``supervisord.conf``."""
     names = [process.name for process in processes]
@@ -46,13 +55,13 @@ logfile_maxbytes=1MB
 
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
-{"".join(map(_program, names))}
-[group:swarm]
+{"".join(map(program, names))}
+[group:{GROUP}]
 programs={",".join(names)}
 """
 
 
-def _program(name: str) -> str:
+def program(name: str) -> str:
     """Return the section of a process.
 
     A process counts as started after startsecs. If it dies earlier, it is retried startretries

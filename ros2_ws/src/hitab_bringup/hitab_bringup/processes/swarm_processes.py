@@ -54,15 +54,11 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     if not swarm.machine:
         return found
     here = process_names(swarm, found)[swarm.machine]
-    settings = {"machine": swarm.machine, "swarm": identity, "run_dir": str(folder.resolve())}
-    space, remap = swarm.full_name(swarm.machine), swarm.remap({})
-    node = Process(swarm.machine, MACHINE_MODULE, (), space, remap, settings)
+    node = Process(swarm.machine, MACHINE_MODULE, (), swarm.full_name(swarm.machine))
     return [*(process for process in found if process.name in here), node]
 
 
-def process_names(
-    swarm: SwarmDescription, found: Sequence[Process]
-) -> dict[str, tuple[str, ...]]:
+def process_names(swarm: SwarmDescription, found: Sequence[Process]) -> dict[str, tuple[str, ...]]:
     """Return the names of the processes on each machine; companions run beside their agents.
 
     Args:
@@ -76,9 +72,7 @@ def process_names(
             process.name
             for process in found
             if process.name in machine.processes
-            or (
-                process.name not in listed and beside[process.namespace] in machine.processes
-            )
+            or (process.name not in listed and beside[process.namespace] in machine.processes)
         )
         for machine in swarm.machines
     }

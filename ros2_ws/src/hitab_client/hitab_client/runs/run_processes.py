@@ -59,19 +59,19 @@ def process_states(record: RunRecord, seconds: float = START_S) -> list[dict[str
         return list(supervisor.getAllProcessInfo())
 
 
-def start_process(record: RunRecord, process: str, seconds: float = DISCOVERY_S) -> None:
-    """Have the supervisor start a process of its configuration.
-
-    Args:
-        record: record of the run.
-        process: name of the process.
-        seconds: timeout for the supervisor's answer.
+def start_process(record: RunRecord, process: str) -> None:
+    """Have the supervisor start a process, also one that was added to its configuration.
 
     Raises:
         SwarmError: if the supervisor does not answer, or does not start it.
     """
-    with _supervisor(record, seconds) as supervisor:
-        supervisor.startProcess(f"{GROUP}:{process}", False)
+    with _supervisor(record, DISCOVERY_S) as supervisor:
+        for state in supervisor.getAllProcessInfo():
+            if state["name"] == process:
+                supervisor.startProcess(f"{state['group']}:{process}", False)
+                return
+        supervisor.reloadConfig()
+        supervisor.addProcessGroup(process)
 
 
 @contextlib.contextmanager
