@@ -36,9 +36,10 @@ def remedies_for(error: Exception | None) -> tuple[Remedy, ...]:
 def refuse(response: Any, error: Exception) -> Any:
     """Write the reason of a refusal into a response, as far as its fields allow."""
     if hasattr(response, "message"):
+        response.message = what_went_wrong(error)
+    if hasattr(response, "remedies"):
         from hitab_ros.messages.conversions import remedy_messages  # slow: it needs numpy
 
-        response.message = what_went_wrong(error)
         response.remedies = remedy_messages(remedies_for(error))
     return response
 

@@ -47,14 +47,15 @@ def refused(answer: Any, where: str = "") -> RequestRefused:
     """Return the error for a refusing answer of a service.
 
     Args:
-        answer: the service's answer, with its message and remedies.
+        answer: the service's answer, with its message and its remedies, if it has such a field.
         where: name of the server, for people.
     """
     from hitab_ros.messages.conversions import (
         remedies_of,  # here because the help imports this module
     )
 
-    error = RequestRefused(answer.message, *remedies_of(answer.remedies), where=where)
+    remedies = remedies_of(getattr(answer, "remedies", ()))
+    error = RequestRefused(answer.message, *remedies, where=where)
     error.answer = answer
     return error
 

@@ -60,9 +60,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     return [*(process for process in found if process.name in here), node]
 
 
-def process_names(
-    swarm: SwarmDescription, found: Sequence[Process]
-) -> dict[str, tuple[str, ...]]:
+def process_names(swarm: SwarmDescription, found: Sequence[Process]) -> dict[str, tuple[str, ...]]:
     """Return the names of the processes on each machine; companions run beside their agents.
 
     Args:
@@ -76,9 +74,7 @@ def process_names(
             process.name
             for process in found
             if process.name in machine.processes
-            or (
-                process.name not in listed and beside[process.namespace] in machine.processes
-            )
+            or (process.name not in listed and beside[process.namespace] in machine.processes)
         )
         for machine in swarm.machines
     }

@@ -313,6 +313,4 @@ class SwarmLines(AgentSettings):
         default_factory=dict
     )
     processes: Annotated[dict[Name, ProcessLine], NONE_IS_EMPTY] = Field(default_factory=dict)
-    machines: Annotated[dict[MachineKey, MachineLine], NONE_IS_EMPTY] = Field(
-        default_factory=dict
-    )
+    machines: Annotated[dict[MachineKey, MachineLine], NONE_IS_EMPTY] = Field(default_factory=dict)
