@@ -31,6 +31,7 @@ from .libraries.unsaved_trainings import left_to_resume as left_to_resume
 from .processes.bringing_up import RunningSwarm as RunningSwarm
 from .processes.bringing_up import bring_up as bring_up
 from .processes.bringing_up import temporary_swarm as temporary_swarm
+from .processes.leases import Leases as Leases
 from .processes.run_logs import LogFile as LogFile
 from .processes.run_logs import LogLine as LogLine
 from .processes.run_logs import logs_of as logs_of
@@ -42,7 +43,10 @@ from .sizing import reduced as reduced
 from .sizing import refuse_untriable as refuse_untriable
 from .sizing import trial_sizes as trial_sizes
 from .sizing import try_out as try_out
+from .swarm_files.described_files import described_files as described_files
+from .swarm_files.described_files import description_digest as description_digest
 from .swarm_files.swarm_description import AgentDescription as AgentDescription
+from .swarm_files.swarm_description import MachineDescription as MachineDescription
 from .swarm_files.swarm_description import SwarmDescription as SwarmDescription
 from .swarm_files.swarm_description import WorldDescription as WorldDescription
 from .swarm_files.swarm_file import parse_swarm as parse_swarm
