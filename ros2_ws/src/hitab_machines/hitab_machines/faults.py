@@ -8,7 +8,7 @@ from hitab_msgs.msg import MachineStatus
 
 from hitab_core import some
 from hitab_machines.machine_signs import MachineSigns
-from hitab_machines.placement import running
+from hitab_machines.process_holders import running
 from hitab_ros.timing import DISCOVERY_S, HEARTBEAT_S
 
 OFFSET_MAX_S = 1.0

@@ -12,7 +12,7 @@ from hitab_bringup.processes.leases import Leases
 from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.runs.run_processes import ENDED_STATES, STARTING, STOPPED_STATES, process_states
 from hitab_core import HitabError, has
-from hitab_machines.placement import ENDED, RUNNING, STARTS, STOPPED, YIELDED
+from hitab_machines.process_holders import ENDED, RUNNING, STARTS, STOPPED, YIELDED
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from hitab_ros.timing import UPDATE_S
 

@@ -12,18 +12,18 @@ from hitab_msgs.msg import HostRoster, MachineFile, MachineStatus
 from hitab_msgs.srv import ReadFiles, ReadLog, RunProcess
 from std_srvs.srv import Trigger
 
-from hitab_bringup import SwarmDescription
+from hitab_bringup import SwarmDescription, described_files, description_digest
 from hitab_bringup.processes.leases import Leases
-from hitab_client import RunFolder, RunRecord
+from hitab_client import DescriptionError, RunFolder, RunRecord
 from hitab_client.runs.run_folder import MARK
 from hitab_core import HitabError, installed_version, some
-from hitab_machines.copies import Copies, copied_folders
 from hitab_machines.faults import MachineFaults
+from hitab_machines.files.copies import Copies, copied_folders
+from hitab_machines.files.shared_files import SharedFiles, digest_of
 from hitab_machines.jobs import Jobs
 from hitab_machines.local_processes import LocalProcesses
 from hitab_machines.machine_signs import MachineSigns
-from hitab_machines.placement import Placement
-from hitab_machines.shared_files import SharedFiles, digest_of
+from hitab_machines.process_holders import ProcessHolders
 from hitab_machines.taking_over import TakingOver
 from hitab_ros import ROSTERS, GuardedNode, names, steady_timer
 from hitab_ros.timing import REPEAT_S, UPDATE_S
@@ -58,21 +58,25 @@ class MachineNode(GuardedNode):
         jobs, leases = Jobs(self), Leases(folder.path)
         self._jobs = jobs
         self._processes = LocalProcesses(folder, record, leases)
-        run, description = copied_folders(folder.path), SharedFiles({swarm.file.name: swarm.file})
-        self._shared = {ReadFiles.Request.RUN: run, ReadFiles.Request.DESCRIPTION: description}
-        self._described = description.digests()
+        described = _described(swarm)
+        self._shared = {
+            ReadFiles.Request.RUN: copied_folders(folder.path),
+            ReadFiles.Request.DESCRIPTION: described,
+        }
+        self._described = described.digests()
+        digests = repr((description_digest(swarm), sorted(self._described.items())))
         self.status = MachineStatus(
             machine=machine,
             version=installed_version(),
-            description=digest_of(repr(sorted(self._described.items())).encode()),
+            description=digest_of(digests.encode()),
         )
         self._differing: dict[str, str] = {}
         self.signs = MachineSigns(self, prefix, record.identity, machine, self._fill)
         self._copies = Copies(folder.path / "copies", jobs, prefix)
         self._faults = MachineFaults(self.signs, machine, list(record.machines))
-        placement = Placement(self.signs, record, lambda: self.status)
+        holders = ProcessHolders(self.signs, record, lambda: self.status)
         self._taking_over = TakingOver(
-            self, placement, folder, record, swarm, jobs, leases, self._copies
+            self, holders, folder, record, swarm, jobs, leases, self._copies
         )
         self.create_service(ReadFiles, names.READ_FILES, self._read_files)
         self.create_service(ReadLog, names.READ_LOG, self._read_log)
@@ -152,3 +156,11 @@ class MachineNode(GuardedNode):
         response.message = f"{self._record.machine} is being taken down"
         response.success = True
         return response
+
+
+def _described(swarm: SwarmDescription) -> SharedFiles:
+    """Return the files that describe a swarm; none if some are programs, which are not sent."""
+    try:
+        return SharedFiles(described_files(swarm))
+    except DescriptionError:
+        return SharedFiles({})

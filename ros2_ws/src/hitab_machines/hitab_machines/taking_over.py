@@ -14,10 +14,10 @@ from hitab_bringup.processes.leases import Leases
 from hitab_bringup.processes.supervision import add_process
 from hitab_client import RunFolder, RunRecord
 from hitab_core import HitabError, has, load_domain, quantity, some
-from hitab_machines.copies import Copies
+from hitab_machines.files.copies import Copies
+from hitab_machines.files.learned_files import LearnedFiles
 from hitab_machines.jobs import Jobs
-from hitab_machines.learned_files import LearnedFiles
-from hitab_machines.placement import Placement, running
+from hitab_machines.process_holders import ProcessHolders, running
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import SwarmError
@@ -32,7 +32,7 @@ LEASE_AHEAD_MAX = 1000
 
 
 @dataclass
-class Outcome:
+class StartOutcome:
     """What came of a request to start a process; empty texts while it is under way."""
 
     message: str = ""
@@ -48,7 +48,7 @@ class TakingOver:
 
     Args:
         node: the node of this machine.
-        placement: which machine has which process.
+        holders: which machine has which process.
         folder: run folder of the swarm here.
         record: record of the run.
         swarm: the swarm's description.
@@ -60,7 +60,7 @@ class TakingOver:
     def __init__(
         self,
         node: GuardedNode,
-        placement: Placement,
+        holders: ProcessHolders,
         folder: RunFolder,
         record: RunRecord,
         swarm: SwarmDescription,
@@ -68,7 +68,7 @@ class TakingOver:
         leases: Leases,
         copies: Copies,
     ) -> None:
-        self._placement, self._signs = placement, placement.signs
+        self._holders, self._signs = holders, holders.signs
         self._jobs, self._leases, self._copies = jobs, leases, copies
         self._folder, self._record = folder, record
         self._learned = LearnedFiles(swarm, folder.path)
@@ -78,7 +78,7 @@ class TakingOver:
         }
         self._robots = {a.name for a in swarm.agents if load_domain(a.domain).link}
         self._process_of = {name: p for p, agents in record.processes.items() for name in agents}
-        self._outcomes: dict[tuple[str, int], Outcome] = {}
+        self._outcomes: dict[tuple[str, int], StartOutcome] = {}
         self._rosters: dict[str, HostRoster] = {}
         self._node = node
 
@@ -119,8 +119,8 @@ class TakingOver:
             if seconds < TAKE_OVER_AFTER_S or own != min(able, default=""):
                 continue
             for process in running(self._signs.heard[lost].status):
-                lease = self._placement.newest_lease(process) + 1
-                is_free = self._placement.holder(process) == lost and not self._robots_in(process)
+                lease = self._holders.newest_lease(process) + 1
+                is_free = self._holders.holder(process) == lost and not self._robots_in(process)
                 is_new = (process, lease) not in self._outcomes
                 if is_free and is_new and not self._jobs.is_running(_job(process)):
                     self._begin(process, lease)
@@ -132,10 +132,10 @@ class TakingOver:
         own = process in (*self._record.processes_here, *self._leases.taken)
         return own and not self._leases.is_yielded(process)
 
-    def _begin(self, process: str, lease: int) -> Outcome:
+    def _begin(self, process: str, lease: int) -> StartOutcome:
         self._check(process, lease)
         self._outcomes = {key: o for key, o in self._outcomes.items() if key[0] != process}
-        outcome = self._outcomes[process, lease] = Outcome()
+        outcome = self._outcomes[process, lease] = StartOutcome()
         self._jobs.start(_job(process), self._run(process, lease, outcome))
         return outcome
 
@@ -149,28 +149,28 @@ class TakingOver:
         movable = [name for name, agents in inside.items() if agents]
         if process == WORLD:
             raise HitabError(
-                f"{WORLD} stays on {self._placement.holder(process)}: it has no lease, so that "
+                f"{WORLD} stays on {self._holders.holder(process)}: it has no lease, so that "
                 "two might run; name another machine in the swarm file, and start the swarm again"
             )
         if process not in movable:
             raise HitabError(f'no process "{process}" has agents {has(movable, process)}')
         if robots := self._robots_in(process):
             raise HitabError(
-                f"{process} stays on {self._placement.holder(process)}: "
+                f"{process} stays on {self._holders.holder(process)}: "
                 f"{some(robots)} {'drives a robot' if len(robots) == 1 else 'drive robots'} there"
             )
         if self._jobs.is_running(_job(process)):
             raise HitabError(f"{process} is just being started on {here}; ask again in a moment")
         if self._is_here(process):
             raise HitabError(f"{process} runs on {here} already")
-        known = self._placement.newest_lease(process)
+        known = self._holders.newest_lease(process)
         if not known < lease <= known + LEASE_AHEAD_MAX:
             raise HitabError(
                 f"the lease {lease} of {process} is not the next after {known}, the newest one of "
-                f"{self._placement.holder(process)}; look with `hitab status`, and ask again"
+                f"{self._holders.holder(process)}; look with `hitab status`, and ask again"
             )
 
-    async def _run(self, process: str, lease: int, outcome: Outcome) -> None:
+    async def _run(self, process: str, lease: int, outcome: StartOutcome) -> None:
         try:
             outcome.lost = await self._start(process, lease)
         except Exception as error:
@@ -183,7 +183,7 @@ class TakingOver:
         )
 
     async def _start(self, process: str, lease: int) -> list[str]:
-        owner, claimed_ns = self._placement.holder(process), time.time_ns()
+        owner, claimed_ns = self._holders.holder(process), time.time_ns()
         lost = [*await self._claim(process, lease, owner), *await self._bring(process, owner)]
         if owner:
             lost += self._learned.install(process, self._copies.of(owner), self._is_here)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hitab_core import HitabError
-from hitab_machines.shared_files import ANSWER_BYTES_MAX, SharedFiles, safe_path
+from hitab_machines.files.shared_files import ANSWER_BYTES_MAX, SharedFiles, safe_path
 
 
 @pytest.fixture

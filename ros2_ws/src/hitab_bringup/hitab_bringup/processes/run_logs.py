@@ -80,6 +80,11 @@ class LogFile:
         self._offset += len(data)
         return lines + self._lines(data)
 
+    def parsed(self, lines: Iterable[str], level: str) -> list[LogLine]:
+        """Return lines of the log that were read elsewhere, of this level or above."""
+        found = self._lines("\n".join(lines).encode())
+        return [line for line in found if LEVELS.index(line.level) >= LEVELS.index(level)]
+
     def _rotated(self) -> list[Path]:
         earlier = self.path.parent.glob(f"{self.path.name}.[0-9]*")
         return sorted(earlier, key=lambda path: int(path.suffix[1:]), reverse=True)

@@ -14,11 +14,16 @@ from hitab_ros.timing import REFRESH_S
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
     from hitab_client.runs.run_processes import RunProcesses
+    from hitab_machines import SwarmMachines
 
 
 @dataclass
 class Connection:
-    """The agents, the world and the processes; also the run, if `hitab up` started the swarm."""
+    """The agents, the world and the processes; also the run, if `hitab up` started the swarm.
+
+    Attributes:
+        machines: the machines of the swarm, if it runs on several.
+    """
 
     link: RosLink
     agents: SwarmClient
@@ -26,6 +31,22 @@ class Connection:
     processes: RunProcesses
     folder: RunFolder | None = None
     record: RunRecord | None = None
+    machines: SwarmMachines | None = None
+
+    def need_machines(self) -> SwarmMachines:
+        """Return the machines of the swarm.
+
+        Raises:
+            SwarmError: if it runs on one, or was not started from here.
+        """
+        from hitab_client import SwarmError
+
+        if self.machines is None:
+            raise SwarmError(
+                "this swarm has no machines that are known here; name them under `machines:` in "
+                "its file, and ask on one of them"
+            )
+        return self.machines
 
     def note_whose(self, identities: Iterable[str]) -> None:
         """Print which swarms have answered that were not started from here.
@@ -102,4 +123,9 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
         of_it: dict[str, Any] = {"prefix": prefix, "identity": identity, "processes": processes}
         agents = SwarmClient(link, record.agents if record else (), **of_it)
         world = WorldClient(link, started_by_it=record is not None and record.world, **of_it)
-        yield Connection(link, agents, world, processes, folder, record)
+        machines = None
+        if record is not None and record.machines:
+            from hitab_machines import SwarmMachines
+
+            machines = SwarmMachines(link, record)
+        yield Connection(link, agents, world, processes, folder, record, machines)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -50,15 +50,27 @@ def tree(
         lost = _await_commanders(swarm_up, view)
         swarm_up.note_whose(group.swarm for group in view.groups.values())
 
+        machines = swarm_up.machines
+        of = machines.elsewhere if machines is not None else lambda name: ""
+
         def drawn() -> list[Any]:
             view.discover()
-            return [_drawn(branch, agents) for branch in _branches(view, commander, lost)]
+            silent = (
+                [f"{it} {machines.why_silent(it)}" for it in machines.silent()] if machines else ()
+            )
+            branches = _branches(view, commander, lost)
+            return [
+                *(console.line(text, "red") for text in silent),
+                *(_drawn(branch, agents, of) for branch in branches),
+            ]
 
         if watch:
             swarm_up.watch(drawn)
         branches = _branches(view, commander, lost)
-        data = {"commanders": [branch.data() for branch in branches]}
-        console.show(json, data, *(_drawn(branch, agents) for branch in branches))
+        data: dict[str, Any] = {"commanders": [branch.data() for branch in branches]}
+        if machines is not None:
+            data["machines"] = machines.data()
+        console.show(json, data, *drawn())
         for branch in branches if json is None else ():
             if branch.order and branch.order == branch.behavior:
                 text = f"{branch.name} gives {branch.order} until another order"
@@ -106,15 +118,15 @@ def _branches(view: CommanderView, commander: str, lost: Sequence[str]) -> list[
     )
 
 
-def _drawn(branch: Branch, agents: bool) -> Tree:
-    """Return a branch as a tree of lines."""
+def _drawn(branch: Branch, agents: bool, of: Callable[[str], str]) -> Tree:
+    """Return a branch as a tree of lines; ``of`` returns a text on the machine of an agent."""
     from rich.tree import Tree
 
-    drawn = Tree(console.line(line_of(branch), _style(branch)))
+    drawn = Tree(console.line(line_of(branch) + of(branch.name), _style(branch)))
     for fault in branch.faults:
         drawn.add(console.line(fault, "red"))
-    drawn.children += [_drawn(m, agents) for m in branch.below if m.is_commander]
-    for text in _leaf_lines([m for m in branch.below if not m.is_commander]) if agents else ():
+    drawn.children += [_drawn(m, agents, of) for m in branch.below if m.is_commander]
+    for text in _leaf_lines([m for m in branch.below if not m.is_commander], of) if agents else ():
         drawn.add(text)
     return drawn
 
@@ -158,13 +170,14 @@ def _style(branch: Branch) -> str:
     return "yellow" if branch.obeys is False else ""
 
 
-def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
+def _leaf_lines(leaves: Sequence[Branch], of: Callable[[str], str]) -> list[Any]:
     """Return one line per agent, or per behavior if there are many agents."""
     if len(leaves) <= SUBORDINATES_SHOWN_MAX:
-        return [console.line(line_of(leaf), _style(leaf)) for leaf in leaves]
+        return [console.line(line_of(leaf) + of(leaf.name), _style(leaf)) for leaf in leaves]
     alike: dict[tuple[str, str], list[Branch]] = {}
     for leaf in leaves:
-        alike.setdefault((leaf.behavior or "nothing", _why_not(leaf)), []).append(leaf)
+        why = f"{_why_not(leaf)}{of(leaf.name)}"
+        alike.setdefault((leaf.behavior or "nothing", why), []).append(leaf)
     return [
         console.line(
             f"{quantity(len(same), 'agent')}, {same[0].name} ...: {doing}{why}", _style(same[0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
@@ -44,6 +45,8 @@ def logs(
     from hitab_bringup import logs_of, new_lines
 
     folder, record = _run(swarm)
+    if _shown_from_elsewhere(name, folder, record, lines, level, follow):
+        return
     files = _chosen(name, folder, record)
     console.note(f"from {files[0].path if len(files) == 1 else folder.path / 'logs'}")
     names = len(files) > 1
@@ -62,6 +65,34 @@ def logs(
             console.note(f"{folder.path.name} is down")
             return
         time.sleep(POLL_S)
+
+
+def _shown_from_elsewhere(
+    name: str, folder: RunFolder, record: RunRecord | None, count: int, level: Level, follow: bool
+) -> bool:
+    """Show the log of a process on another machine; return whether it is on another one."""
+    if not (name and record and record.machines and folder.supervisor(record)):
+        return False
+    from hitab_bringup import LogFile
+    from hitab_client import RosLink
+    from hitab_client.runs.run_processes import RunProcesses
+    from hitab_machines import SwarmMachines
+
+    with RosLink(record.domain_id) as link:
+        machines = SwarmMachines(link, record)
+        machines.listen()
+        process, machine = RunProcesses(record).process_of(name), machines.machine_of(name)
+        if machine in ("", record.machine):
+            return False
+        console.note(f"from {machine}")
+        file = LogFile(process, Path(process))
+        lines, position = machines.log(process, 0, count or 2**32 - 1)
+        while True:
+            _say(file.parsed(lines, level), names=False)
+            if not follow:
+                return True
+            link.spin_until(lambda: False, POLL_S)
+            lines, position = machines.log(process, position, 2**32 - 1)
 
 
 def _say(lines: Iterable[LogLine], names: bool) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -105,9 +105,11 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
     """Return the state of a swarm as plain data."""
     from hitab_ros.messages.conversions import remedies_of
 
+    machines = swarm_up.machines
     agents = [
         {
             "agent": name,
+            **({"machine": machines.machine_of(name)} if machines is not None else {}),
             "training": status.training.automaton,
             **plain(status, AGENT_FIELDS),
             **plain(status.training, TRAINING_FIELDS),
@@ -122,6 +124,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
         "identity": record.identity if record else None,
         "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
         "ros_domain": swarm_up.link.node.context.get_domain_id(),
+        **({"machines": machines.data()} if machines is not None else {}),
         "agents": agents,
         "missing": [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses],
         "silent": {
@@ -143,10 +146,14 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
     reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
     # After a report, only an ended or suspended process counts.
     reasons = {n: why for n, why in reasons.items() if n not in reported or (why and why.lasts)}
+    if (machines := swarm_up.machines) is not None:
+        lost = {name: machines.why_silent(name) for name in machines.silent()}
+        of_lost = {name: it for name in started if (it := machines.machine_of(name)) in lost}
+        reasons |= {n: Silence(it, lost[it], lasts=True) for n, it in of_lost.items()}
     for name, seconds in (signs.silent() if signs is not None else {}).items():
         for_now = f"has been silent for {seconds:.0f} s"
         silent = Silence(processes.process_of(name), for_now, lasts=False)
-        reasons[name] = processes.why_silent(name) or silent
+        reasons[name] = reasons.get(name) or processes.why_silent(name) or silent
     return reasons
 
 
@@ -166,6 +173,8 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
         for name in world["missing"]:
             lines.append(console.line(f"the world does not hear {name}", "red"))
         lines += [console.line(text, "red") for text in _wrong(world)]
+    several = data.get("machines", [])
+    lines += _machine_lines(several)
     rows = []
     for agent in data["agents"]:
         why = silent.get(agent["agent"])
@@ -178,15 +187,17 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
                 " > ".join(agent["active_path"]),
                 examples if agent["examples"] else "",
                 agent["library_digest"][:8],
+                agent.get("machine", ""),
             )
         )
     for name in data["missing"]:
         if name in silent:
             why = silent[name]
-            rows.append((name, "silent" if why is None else why.state, *[""] * 4))
+            rows.append((name, "silent" if why is None else why.state, *[""] * 5))
     rows.sort(key=lambda row: natural(row[0]))
-    columns = ("agent", "mode", "behavior", "active", "examples", "library")
-    lines.append(console.table(columns, rows[:ROWS_MAX]))
+    columns = ("agent", "mode", "behavior", "active", "examples", "library", "machine")
+    shown = len(columns) if several else -1
+    lines.append(console.table(columns[:shown], [row[:shown] for row in rows[:ROWS_MAX]]))
     if len(rows) > ROWS_MAX:
         more = quantity(len(rows) - ROWS_MAX, "more agent")
         lines.append(console.line(f"and {more}; `{called()} status --json -` has all"))
@@ -197,6 +208,7 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
     lines += [console.line(text, "red") for text in wrong]
     ways = dict.fromkeys(way for one in [data, *data["agents"]] for way in one["remedies"])
     mute = dict.fromkeys(why.process for why in silent.values() if why is not None)
+    mute = {name: None for name in mute if name not in {one["machine"] for one in several}}
     ways |= dict.fromkeys(as_command(Fix.LOGS(node=process)) for process in mute)
     lines += [console.line(way) for way in [*ways][:WAYS_MAX]]
     halt = [a["agent"] for a in data["agents"] if a["when_out_of_reach"] == "halt"]
@@ -207,6 +219,18 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
     lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
     return lines
+
+
+def _machine_lines(machines: Sequence[Mapping[str, Any]]) -> list[Any]:
+    """Return a line per machine, and one per fault that machines report."""
+    lines = []
+    for machine in machines:
+        running = sum(state == "running" for state in machine["processes"].values())
+        what = machine["silent"] or f"{quantity(running, 'process', 'processes')} running"
+        name = f"{machine['machine']}{' (this one)' if machine['here'] else ''}"
+        lines.append(console.line(f"machine {name}: {what}", "red" * bool(machine["silent"])))
+    faults = dict.fromkeys(fault for machine in machines for fault in machine["faults"])
+    return lines + [console.line(fault, "red") for fault in faults]
 
 
 def _kept(agent: Mapping[str, Any]) -> str:

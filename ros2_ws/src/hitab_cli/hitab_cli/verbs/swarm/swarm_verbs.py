@@ -11,7 +11,7 @@ import typer
 from hitab_client import completion, console
 from hitab_client.terminal.cli_options import SwarmName
 from hitab_client.terminal.cli_remedies import called, with_commands
-from hitab_core import Fix, quantity
+from hitab_core import Fix, has, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
@@ -105,8 +105,9 @@ def down(
     swarm: SwarmName = None,
     run_dir: Annotated[Path | None, typer.Option("--run-dir")] = None,
     every: Annotated[bool, typer.Option("--all")] = False,
+    machine: Annotated[str, typer.Option(metavar="NAME")] = "",
 ) -> None:
-    """Stop a swarm and all its processes.
+    """Stop a swarm and all its processes, on all of its machines.
 
     Unsaved trainings are listed and kept: the next start of the swarm resumes them.
 
@@ -114,6 +115,7 @@ def down(
         name: The swarm, if several are up: its name, identity, namespace or run folder.
         run_dir: Run folder of the swarm, instead of a name.
         every: Stop all swarms in this state folder.
+        machine: Stop only the part on this machine.
 
     Examples:
       hitab down
@@ -141,7 +143,43 @@ def down(
     if not found:
         console.say("no swarm is up")
     for folder, record in found:
-        _take_down(folder, record)
+        complete = True
+        if record is not None and record.machines and folder.supervisor(record) is not None:
+            complete = _take_down_machines(record, machine)
+        if machine in ("", record.machine if record is not None else ""):
+            _take_down(folder, record)
+        if not complete:
+            raise typer.Exit(1)
+
+
+def _take_down_machines(record: RunRecord, only: str) -> bool:
+    """Stop a swarm on its other machines, or on one; return whether all have answered.
+
+    Raises:
+        SwarmError: if there is no machine of this name.
+    """
+    from hitab_client import RosLink, SwarmError
+    from hitab_machines import SwarmMachines
+
+    if only not in ("", *record.machines):
+        raise SwarmError(f'no machine "{only}" {has(record.machines, only)}')
+    others = [name for name in record.machines if only in ("", name) and name != record.machine]
+    failed = []
+    with RosLink(record.domain_id) as link:
+        machines = SwarmMachines(link, record)
+        machines.listen()
+        for name in others:
+            try:
+                machines.take_down(name)
+                console.say(f"{name} is down")
+            except SwarmError as error:
+                failed.append(name)
+                console.error(error)
+    for name in failed:
+        console.note(
+            f"if the swarm still runs on {name}, stop it there: `{called()} down --machine {name}`"
+        )
+    return not failed
 
 
 def _take_down(folder: RunFolder, record: RunRecord | None) -> None:

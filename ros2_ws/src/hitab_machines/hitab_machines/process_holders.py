@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from hitab_msgs.msg import MachineProcess, MachineStatus
 
+from hitab_bringup.processes.leases import FIRST_LEASE
 from hitab_client import RunRecord
 from hitab_machines.machine_signs import MachineSigns
 
@@ -13,7 +14,7 @@ RUNNING, STARTS, STOPPED, ENDED, YIELDED = "running", "starting", "stopped", "en
 """States of a process; see MachineProcess.msg."""
 
 
-class Placement:
+class ProcessHolders:
     """The machines and the processes that they have.
 
     Args:
@@ -50,8 +51,10 @@ class Placement:
                     yield machine, inside
 
     def newest_lease(self, process: str) -> int:
-        """Return the highest known lease of a process; 0 if none is known."""
-        return max((int(inside.lease) for _, inside in self._reported(process)), default=0)
+        """Return the highest known lease of a process; that of a first start if none is heard."""
+        return max(
+            (int(inside.lease) for _, inside in self._reported(process)), default=FIRST_LEASE
+        )
 
     def holder(self, process: str) -> str:
         """Return the machine that has a process, or that of the swarm file; empty if unknown."""

@@ -44,7 +44,7 @@ class SharedFiles:
     """The files in some folders, with digests; a digest is calculated once for each change.
 
     Args:
-        roots: the folders by the first part of the paths; a file is also possible.
+        roots: folders by the first part of the paths, and files by their whole paths.
     """
 
     def __init__(self, roots: Mapping[str, Path]) -> None:
@@ -113,7 +113,7 @@ class SharedFiles:
         return files
 
     def _place(self, path: str) -> Path:
-        first, *inner = safe_path(path).parts
+        first, *inner = (path,) if path in self._roots else safe_path(path).parts
         root = self._roots.get(first)
         place = root.joinpath(*inner) if root is not None else None
         if root is None or place is None or not place.resolve().is_relative_to(root.resolve()):
