@@ -122,9 +122,12 @@ def of_agent(agent: str, name: str, prefix: str = "") -> str:
     return f"{prefix}/{agent}/{name}"
 
 
-def of_host(first: str) -> str:
-    """Return the name of a host by that of its first agent, such as ``host_of_ant_1``."""
-    return f"host_of_{first}"
+def of_host(first: str, machine: str = "") -> str:
+    """Return the name of a host by that of its first agent, such as ``host_of_ant_1``.
+
+    Of a swarm on several machines, it names the machine: while agents move, two may run them.
+    """
+    return f"host_of_{first}_on_{machine}" if machine else f"host_of_{first}"
 
 
 def of_world(name: str, prefix: str = "") -> str:
