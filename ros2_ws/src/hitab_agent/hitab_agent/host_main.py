@@ -16,13 +16,17 @@ from __future__ import annotations
 
 import gc
 import sys
+from pathlib import Path
 
 from hitab_msgs.msg import AgentStatus
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 
 from hitab_agent.host.roster import read_roster
 from hitab_agent.host_resources import HostResources
 from hitab_ros import (
+    FinalError,
+    Lease,
+    Loop,
     Spinner,
     check_name_is_free,
     give_signs_of_life,
@@ -40,30 +44,52 @@ ALL_ENDPOINTS = ParameterDescriptor(
     description="open all topics and services of the agents at once, not when somebody asks"
 )
 
+MACHINE = ParameterDescriptor(
+    description="machine of the swarm file that this host runs on; empty in a swarm on one machine"
+)
 
-def start(spinning: Spinner) -> None:
-    """Create all agents of the roster that the command line names."""
+LEASE = ParameterDescriptor(
+    description="number of the lease of the agents: a host with an older one yields; 0 for none",
+    integer_range=[IntegerRange(from_value=0, to_value=2**63 - 1, step=1)],
+)
+
+
+def start(spinning: Spinner) -> Loop:
+    """Create all agents of the roster that the command line names; return the main loop."""
     gc.disable()  # what the start makes stays, so collecting over it would be in vain
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
     namespace = host.get_namespace().rstrip("/")
     swarm = host.declare_parameter("swarm", "").value  # all agents get it
+    lease = Lease(
+        host.declare_parameter("machine", "", MACHINE).value,
+        host.declare_parameter("lease", 0, LEASE).value,
+        Path(host.get_parameter("roster").value).stem,
+    )
     # The command line names the namespace around the host and its agents, so the host's topics
     # need a node of their own below it. The name of the first agent makes that node's namespace
     # unique in the swarm, and the same in each run.
     desk = make_node(
         "host",
-        namespace=f"{namespace}/{names.of_host(entries[0].name)}",
+        namespace=f"{namespace}/{names.of_host(entries[0].name, lease.machine)}",
         use_global_arguments=False,
     )
     spinning.executor.add_node(desk)
     on_demand = not host.declare_parameter("all_endpoints", False, ALL_ENDPOINTS).value
-    shared = HostResources(desk, is_host=True, on_demand=on_demand, swarm=swarm)
+    yielded: list[str] = []
+
+    def give_up(reason: str) -> None:
+        yielded.append(reason)
+        spinning.stop()  # after this callback nothing acts any more
+
+    shared = HostResources(
+        desk, is_host=True, on_demand=on_demand, swarm=swarm, lease=lease, give_up=give_up
+    )
     nodes = [entry.create(namespace, swarm, shared) for entry in entries]
     for node in nodes:
         spinning.executor.add_node(node)
-    check_name_is_free(spinning, nodes, AgentStatus, observer=desk)
+    check_name_is_free(spinning, nodes, AgentStatus, observer=desk, lease=lease)
     for node in nodes:
         node.join()
     for link in shared.links.values():
@@ -77,6 +103,14 @@ def start(spinning: Spinner) -> None:
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
     gc.enable()
+
+    def run_until_yielding(spinning: Spinner) -> int:
+        exit_code = spinning.spin()
+        if yielded:
+            raise FinalError(yielded[0])
+        return exit_code
+
+    return run_until_yielding
 
 
 def main() -> None:

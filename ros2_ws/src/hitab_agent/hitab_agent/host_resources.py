@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,8 @@ from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_agent.topics.distribution import Distributions
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
-from hitab_ros import GuardedNode, HostRosters, names
+from hitab_ros import GuardedNode, HostRosters, Lease, names
+from hitab_ros.leases import NO_LEASE
 from hitab_ros.nodes.diagnostics import Diagnostics
 from hitab_ros.timing import AT_ONCE_S
 
@@ -44,6 +46,7 @@ class HostResources:
         on_demand: opens the agents' endpoints for those who ask; None if all are open.
         batches: publishes a host's statuses; None if the process is no host.
         roster: publishes a host's roster; None if the process is no host.
+        rosters: the rosters of all hosts; None if the process is no host.
         links: the links of a host's agents to their worlds, by the world's name.
         domains: the loaded domains, by name.
         logged: faults of libraries that are in the log.
@@ -56,6 +59,8 @@ class HostResources:
         is_host: bool = False,
         on_demand: bool = False,
         swarm: str = "",
+        lease: Lease = NO_LEASE,
+        give_up: Callable[[str], None] = lambda reason: None,
     ) -> None:
         """Create the resources.
 
@@ -64,16 +69,24 @@ class HostResources:
             is_host: whether the process is a host.
             on_demand: whether endpoints are opened for those who ask, instead of all at once.
             swarm: identity of the agents' swarm; empty if none.
+            lease: a host's lease of its agents.
+            give_up: called with the reason if a host yields; ends the process at once.
         """
         self.name = names.own_name(node)
         self.nodes: list[AgentBase] = []
         self.host = node if is_host else None
         self.scheduler = Scheduler(node)
         self.statuses = JobQueue(node, AT_ONCE_S, STATUSES_AT_ONCE)
-        rosters: HostRosters | None = None
-        if is_host:
-            hosts = names.in_swarm(node, names.HOSTS)
-            rosters = HostRosters(node, hosts, lambda roster: swarm in ("", roster.swarm))
+        self.rosters = rosters = (
+            HostRosters(
+                node,
+                names.in_swarm(node, names.HOSTS),
+                lambda roster: swarm in ("", roster.swarm),
+                leases=bool(lease.number),
+            )
+            if is_host
+            else None
+        )
         self.exchange = Exchange(node, self.scheduler, rosters)
         self.signs = ProcessSigns(node)
         self.distributions = Distributions(node, self.nodes)
@@ -89,7 +102,9 @@ class HostResources:
         self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
         self._readers: dict[int, LibraryReader] = {}
         if rosters is not None:
-            self.roster = RosterTopic(node, self.nodes, swarm, rosters, self.scheduler)
+            self.roster = RosterTopic(
+                node, self.nodes, swarm, rosters, self.scheduler, lease, give_up
+            )
             self.batches = StatusBatches(node, self.nodes, self.scheduler)
             CommandsToMany(node, self.nodes)
             offer_loading(node, self.nodes)
@@ -108,6 +123,7 @@ class HostResources:
     def publish_roster(self) -> None:
         """Tell the world and other hosts which agents this host runs."""
         assert self.roster is not None, "only hosts have one"
+        self.roster.remember(Path(self.nodes[0].settings.state_dir).expanduser())
         self.roster.publish()
 
     def link(self, host: GuardedNode, world: str) -> HostLink:

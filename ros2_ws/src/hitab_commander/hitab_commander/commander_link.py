@@ -107,7 +107,8 @@ class CommanderLink:
 
     def _on_topic(self, message: msg.Reports) -> None:
         if message.process != self._node.shared.name:
-            self._hear(message.reports, message.process)
+            reports = self._exchange.believed(message.reports, message.process)
+            self._hear(reports, message.process)
 
     def _on_reports(self, reports: Sequence[Report | msg.Report], process: str) -> None:
         self._hear(reports, process)

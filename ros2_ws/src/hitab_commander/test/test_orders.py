@@ -363,12 +363,12 @@ def test_a_subordinate_that_is_to_halt_does_nothing_while_its_commander_is_out_o
     assert not acts()
     give(msg.Alive(process="major"))  # which is not its commander
     rosters = team.link.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
-    rosters.publish(msg.HostRoster(host="host", number=1, agents=["chief"]))
+    rosters.publish(msg.HostRoster(host="host", number=1, agents=["chief"], swarm="team"))
     team.until(rosters.get_subscription_count)
     assert not acts()
     team.until(lambda: give(msg.Alive(process="host")) or acts())
     team.until(lambda: not acts())
-    rosters.publish(msg.HostRoster(host="host", number=2))
+    rosters.publish(msg.HostRoster(host="host", number=2, swarm="team"))
     give_signs_of_life(chief)
     team.until(acts)
     assert ant.agent.behavior == "Home", "it goes on by itself"

@@ -1,11 +1,13 @@
 from . import answering as answering
 from . import call as call
+from . import leases as leases
 from . import names as names
 from . import qos as qos
 from . import ros_domains as ros_domains
 from . import testing as testing
 from . import timing as timing
 from .busy_timeout import BusyTimeout as BusyTimeout
+from .leases import Lease as Lease
 from .messages import checks as checks
 from .messages import conversions as conversions
 from .messages import cycle_codec as cycle_codec

@@ -21,6 +21,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from hitab_ros import names, qos
+from hitab_ros.leases import holders, rank
 from hitab_ros.nodes.steady_timer import steady_timer
 from hitab_ros.timing import HEARTBEAT_S, POLL_S, SILENT_AFTER_S
 
@@ -120,12 +121,13 @@ class HostRosters:
         node: node to subscribe with.
         topic: full name of the topic of rosters.
         accept: whether a roster is of the swarm; by default, all are.
+        leases: whether leases count, as in a swarm on several machines.
 
     Attributes:
         changed: functions that are called with each accepted roster.
-        members: the names of each host's agents and commanders, by host.
-        hosts_of: the hosts that list each agent and commander, by name; several if a roster is
-            wrong, or the same agent runs twice.
+        rosters: the roster in force of each host, by host.
+        hosts_of: the hosts that hold each agent and commander, by name; see `leases.holders`.
+            Several without leases, if a roster is wrong, or the same agent runs twice.
     """
 
     def __init__(
@@ -133,30 +135,50 @@ class HostRosters:
         node: Node,
         topic: str,
         accept: Callable[[HostRoster], bool] = lambda roster: True,
+        *,
+        leases: bool = False,
     ) -> None:
-        self.members: dict[str, tuple[str, ...]] = {}
+        self.rosters: dict[str, HostRoster] = {}
         self.hosts_of: dict[str, tuple[str, ...]] = {}
-        self._numbers: dict[str, int] = {}
+        self._listing: dict[str, set[str]] = {}  # the hosts that list each name
         self._accept = accept
+        self._leases = leases
         self.changed: list[Callable[[HostRoster], object]] = []
         node.create_subscription(HostRoster, topic, self._take, ROSTERS)
 
     def _take(self, roster: HostRoster) -> None:
-        host, known = roster.host, self._numbers.get(roster.host)
-        if known is None and len(self._numbers) >= HOSTS_MAX:
+        if not self._leases:
+            roster.lease, roster.machine = 0, ""
+        host, known = roster.host, self.rosters.get(roster.host)
+        if known is None and len(self.rosters) >= HOSTS_MAX:
             return
-        if (known is not None and roster.number <= known) or not self._accept(roster):
+        if (known is not None and rank(known) <= rank(roster)) or not self._accept(roster):
             return
-        self._numbers[host] = roster.number
-        for name in self.members.get(host, ()):
-            self.hosts_of[name] = tuple(other for other in self.hosts_of[name] if other != host)
-            if not self.hosts_of[name]:
-                del self.hosts_of[name]
-        self.members[host] = tuple(dict.fromkeys(roster.agents))
-        for name in self.members[host]:
-            self.hosts_of[name] = (*self.hosts_of.get(name, ()), host)
+        self.rosters[host] = roster
+        for name in known.agents if known is not None else ():
+            self._listing[name].discard(host)
+        for name in roster.agents:
+            self._listing.setdefault(name, set()).add(host)
+        for name in {*roster.agents, *(known.agents if known is not None else ())}:
+            listing = holders(self.rosters[other] for other in self._listing[name])
+            self.hosts_of[name] = tuple(other.host for other in listing)
         for changed in self.changed:
             changed(roster)
+
+    def believes(self, process: str, name: str) -> bool:
+        """Whether reports and signs of a process count for an agent or commander.
+
+        If it has a lease, those of its holder do; else all, since a wrong roster may be corrected.
+        """
+        hosts = self.hosts_of.get(name, ())
+        return process in hosts or not (hosts and self.rosters[hosts[0]].lease)
+
+    def speaks_for(self, process: str) -> Iterator[str]:
+        """Yield the agents and commanders that a process gives signs of life for."""
+        roster = self.rosters.get(process)
+        for name in (process,) if roster is None else roster.agents:
+            if self.believes(process, name):
+                yield name
 
 
 class SignsOfLife(Presence):
@@ -170,13 +192,23 @@ class SignsOfLife(Presence):
         prefix: namespace of the swarm.
         is_own: returns whether a process belongs to the swarm, given its name, empty for a host,
             and the identity of its swarm.
+        leases: whether the swarm is on several machines.
     """
 
-    def __init__(self, node: Node, prefix: str, is_own: Callable[[str, str], bool]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        prefix: str,
+        is_own: Callable[[str, str], bool],
+        *,
+        leases: bool = False,
+    ) -> None:
         super().__init__()
         self._is_own = is_own
         rosters, alive = (names.of_swarm(name, prefix) for name in (names.HOSTS, names.ALIVE))
-        self._rosters = HostRosters(node, rosters, lambda roster: is_own("", roster.swarm))
+        self._rosters = HostRosters(
+            node, rosters, lambda roster: is_own("", roster.swarm), leases=leases
+        )
         self._rosters.changed.append(self._is_host)
         node.create_subscription(Alive, alive, self._take_sign, qos.SIGNS_OF_LIFE)
 
@@ -186,7 +218,7 @@ class SignsOfLife(Presence):
 
     def _take_sign(self, sign: Alive) -> None:
         if self._is_own(sign.process, sign.swarm):
-            for name in self._rosters.members.get(sign.process, (sign.process,)):
+            for name in self._rosters.speaks_for(sign.process):
                 self.hear(name)
 
 

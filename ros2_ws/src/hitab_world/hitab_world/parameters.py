@@ -65,10 +65,11 @@ def one_of(*names: str) -> Limit:
 
 @dataclass(frozen=True)
 class Parameters:
-    """Base class of the parameters of a kind of world: fields of type bool, int, float or str.
+    """Base class of the parameters of a kind of world: fields of simple types.
 
-    A subclass gives every field a default. It checks conditions on several parameters in its own
-    ``__post_init__``, after this one.
+    The types are bool, int, float, str and ``tuple[str, ...]``. A subclass gives every field a
+    default. It checks conditions on several parameters in its own ``__post_init__``, after this
+    one.
 
     Attributes:
         WORLD: the world's name in errors.
@@ -123,6 +124,9 @@ def _missed(kind: Any, value: Any, limit: Limit | None) -> str:
             return "be a number"
         if not math.isfinite(value):
             return "be finite"
+    elif kind.startswith("tuple"):
+        texts = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
+        return "" if texts else "be a list of texts"
     elif not isinstance(value, bool if kind == "bool" else str):
         return "be true or false" if kind == "bool" else "be text"
     return "" if limit is None or limit.holds(value) else limit.words

@@ -13,6 +13,7 @@ from rclpy.experimental import EventsExecutor
 from hitab_ros import qos
 from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, spin_until, wait_until
+from hitab_world.node.host_registry import SwarmSettings
 from hitab_world.node.percept_sender import PerceptSender
 
 HOSTS = ("ours", "theirs", "nobodys")
@@ -80,7 +81,7 @@ def test_a_host_of_another_swarm_takes_no_agents_away_and_is_named(nodes):
     world, agent = nodes
     refused: list[str] = []
     sender = PerceptSender(world, ("a", "b"))
-    sender.join(lambda *_: None, "pond-1", refused.append)
+    sender.join(lambda *_: None, SwarmSettings("pond-1"), refused.append)
     listening = [
         agent.create_subscription(msg.PerceptBatch, f"/{host}/percepts", lambda _: None, qos.CYCLE)
         for host in HOSTS

@@ -65,7 +65,7 @@ class ExchangeTopics:
         self._hosts_of: Mapping[str, tuple[str, ...]] = {}
         self._is_host = False
         self._sought: set[str] = set()
-        self._hosts: set[str] = set()  # other hosts
+        self._hosted: set[str] = set()  # the agents that were in other hosts
         self._unconnected: set[tuple[Any, str]] = set()  # types and topics of other hosts
         self._publishers: dict[str, Any] = {}
         self._orders: dict[str, dict[str, Order]] = {}  # by host and commander
@@ -194,7 +194,7 @@ class ExchangeTopics:
             if (topic := self._topic(host, name)) not in self._publishers
         }
         self._connect_to_hosts()
-        if roster.host in self._hosts:
-            self._ends.restarted(roster.agents)
-        elif roster.host != self._process:
-            self._hosts.add(roster.host)
+        if roster.host != self._process:
+            if again := self._hosted.intersection(roster.agents):
+                self._ends.restarted(again)
+            self._hosted.update(roster.agents)

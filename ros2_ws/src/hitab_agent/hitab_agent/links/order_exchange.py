@@ -65,6 +65,7 @@ class Exchange:
         self._superiors: dict[str, str] = {}
         self._waiting: dict[str, list[Report]] = {}
         self._held = False
+        self._rosters = rosters
         self._topics = ExchangeTopics(node, self, self._next)
         if rosters is not None:
             self._topics.join_hosts(scheduler, rosters)
@@ -181,11 +182,17 @@ class Exchange:
     def sort(self, reports: Sequence[msg.Report], process: str) -> None:
         """Hand reports of another host over to the commanders of their agents."""
         found: dict[str, list[msg.Report]] = {}
-        for report in reports:
+        for report in self.believed(reports, process):
             if (commander := self._superiors.get(report.agent)) is not None:
                 found.setdefault(commander, []).append(report)
         for commander, theirs in found.items():
             self._commanders[commander].take(theirs, process)
+
+    def believed(self, reports: Sequence[msg.Report], process: str) -> Sequence[msg.Report]:
+        """Return the reports of a process without those of agents that another host holds."""
+        if self._rosters is None:
+            return reports
+        return [one for one in reports if self._rosters.believes(process, one.agent)]
 
     def restarted(self, agents: Collection[str]) -> None:
         """Make the commanders of agents know that these were restarted."""

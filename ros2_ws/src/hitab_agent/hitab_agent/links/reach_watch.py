@@ -26,14 +26,19 @@ class ReachWatch:
         self._who = self._commander or "the operator"
         self._after = node.settings.out_of_reach_after
         self._presence = Presence(self._after, HEARTBEAT_S)
-        self._rosters = HostRosters(node, names.in_swarm(node, names.HOSTS))
+        hosts = names.in_swarm(node, names.HOSTS)
+        swarm = node.settings.swarm
+        self._rosters = node.shared.rosters or HostRosters(
+            node, hosts, lambda roster: swarm in ("", roster.swarm)
+        )
         topic = names.in_swarm(node, names.ALIVE if self._commander else names.OPERATORS)
         node.create_subscription(msg.Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
         node.shared.scheduler.every(HEARTBEAT_S, self._look, node.guard)
 
     def _hear(self, sign: msg.Alive) -> None:
-        commander = self._commander
-        if not commander or sign.process in self._rosters.hosts_of.get(commander, (commander,)):
+        commander, rosters = self._commander, self._rosters
+        speaks = sign.process in (commander, *rosters.hosts_of.get(commander, ()))
+        if not commander or (speaks and rosters.believes(sign.process, commander)):
             self._presence.hear(self._who)
 
     def _look(self) -> None:

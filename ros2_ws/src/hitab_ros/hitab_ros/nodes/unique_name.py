@@ -13,6 +13,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from hitab_core import HitabError
 from hitab_ros import names, qos
+from hitab_ros.leases import NO_LEASE, Lease
 from hitab_ros.nodes.definitions import check_same_message_version
 from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.nodes.spinning import FinalError, Spinner
@@ -31,6 +32,7 @@ def check_name_is_free(
     nodes: Sequence[GuardedNode],
     status: type[Any],
     observer: GuardedNode | None = None,
+    lease: Lease = NO_LEASE,
 ) -> None:
     """Check for a while that no other process has a node of these names.
 
@@ -40,8 +42,11 @@ def check_name_is_free(
         status: type of the messages on their status topics.
         observer: a host's node, below whose own namespace the swarm's topics are; None if there is
             one node, which then must have a publisher on its status topic.
+        lease: a host's lease; the names that hosts with an older one have are free, since these
+            yield.
 
     Raises:
+        FinalError: if a host with a newer lease has one of the names.
         NameTakenError: if a name is taken; names the agent that is already up, and its swarm
             if that is another one. If two start at once, one of them gives way.
         HitabError: if a name is taken by a node of the same swarm.
@@ -52,8 +57,21 @@ def check_name_is_free(
     observer = observer or nodes[0]
     named = {names.own_name(node): node for node in nodes}
 
+    newer = list[HostRoster]()
+    yielding = set[str]()
+
     def hear_roster(roster: HostRoster) -> None:
-        established.update(dict.fromkeys(named.keys() & set(roster.agents), roster.swarm))
+        both = named.keys() & set(roster.agents)
+        if not lease.number or roster.swarm != _swarm_of(nodes[0]):
+            established.update(dict.fromkeys(both, roster.swarm))
+        elif both:
+            theirs = Lease(roster.machine, roster.lease).rank
+            if theirs < lease.rank:
+                newer.append(roster)
+            elif theirs > lease.rank:
+                yielding.update(both)
+            else:
+                established.update(dict.fromkeys(both, roster.swarm))
 
     topic = names.in_swarm(observer, names.HOSTS)
     rosters = observer.create_subscription(HostRoster, topic, hear_roster, ROSTERS, temporary=True)
@@ -72,11 +90,15 @@ def check_name_is_free(
     }
     observer.destroy_publisher(marked)
     observer.destroy_subscription(rosters)
+    for roster in newer:
+        raise FinalError(lease.why_yield(roster))
     for name, swarm in established.items():
         raise _taken(name, swarm, _swarm_of(named[name]))
     topics = {topic for topic, _ in observer.get_topic_names_and_types()}
     doubtful = [
-        node for node in nodes if _status_of(node) in topics and _participants(node) - ours
+        node
+        for name, node in named.items()
+        if name not in yielding and _status_of(node) in topics and _participants(node) - ours
     ]
     if not doubtful:
         return

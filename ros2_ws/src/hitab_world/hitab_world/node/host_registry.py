@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from hitab_msgs import msg
@@ -11,7 +12,43 @@ from rclpy.qos import QoSProfile
 
 from hitab_core import some
 from hitab_ros import GuardedNode, names, qos
+from hitab_ros.leases import rank
 from hitab_world.simulating.lockstep import Answer
+
+
+@dataclass(frozen=True)
+class SwarmSettings:
+    """The swarm whose hosts a world accepts.
+
+    Attributes:
+        identity: identity of the swarm; empty to accept those of any.
+        machines: the machines of the swarm; empty if it is on one.
+    """
+
+    identity: str = ""
+    machines: Sequence[str] = ()
+
+    def why_foreign(self, roster: msg.HostRoster) -> str:
+        """Return why a roster is not of the swarm, and the way out; empty if it is."""
+        own, other, machine = self.identity, roster.swarm, roster.machine
+        if own and other != own:
+            of = f"the swarm {other}" if other else "no swarm"
+            return f"it is of {of}, not of {own}; end it, or start it with -p swarm:={own}"
+        of = f"the machine {machine}" if machine else "no machine"
+        if not self.machines and (machine or roster.lease):
+            return (
+                f"it has the lease {roster.lease} of {of}, and this "
+                "world's swarm has no machines; end it, or start it without -p machine, -p lease"
+            )
+        if self.machines and machine not in self.machines:
+            return (
+                f"it is of {of}, not of {some(self.machines)}; end it, or start it with the name "
+                "of one as -p machine"
+            )
+        return ""
+
+
+ANY_SWARM = SwarmSettings()
 
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
 """A function that returns an agent's percept; None to send nothing."""
@@ -23,12 +60,17 @@ ROSTERS_QOS = QoSProfile(
 
 
 class _Host:
-    """A host, as described by its last announcement."""
+    """A host, as described by its last announcement.
 
-    def __init__(self, node: GuardedNode, roster: msg.HostRoster, known: frozenset[str]) -> None:
-        self.number = roster.number
-        self.names = tuple(roster.agents)
-        self.indices = [i for i, name in enumerate(self.names) if name in known]
+    Attributes:
+        roster: the announcement.
+        answered: whether the host has answered percepts.
+        indices: places of the agents that it holds in its roster.
+    """
+
+    def __init__(self, node: GuardedNode, roster: msg.HostRoster, *, answered: bool) -> None:
+        self.roster, self.answered = roster, answered
+        self.indices: list[int] = []
         topic = names.in_swarm(node, roster.host, names.PERCEPTS)
         self.publisher = node.create_publisher(msg.PerceptBatch, topic, qos.CYCLE, temporary=True)
 
@@ -39,11 +81,11 @@ class _Host:
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send the percepts of the host's agents."""
-        batch = msg.PerceptBatch(roster=self.number, **common)
+        batch = msg.PerceptBatch(roster=self.roster.number, **common)
         agents, values, value_counts = array("I"), array("d"), array("I")
         heard_counts, heard = array("I"), list[str]()
         for index in self.indices:
-            if (sensed := percept_of(self.names[index])) is not None:
+            if (sensed := percept_of(self.roster.agents[index])) is not None:
                 seen, said = sensed
                 agents.append(index)
                 values.extend(seen)
@@ -57,14 +99,19 @@ class _Host:
 
 
 class HostRegistry:
-    """Knows the hosts that have announced themselves, and which agents they run."""
+    """Knows the hosts that have announced themselves, and which agents each holds.
+
+    Of hosts with leases, the one with precedence holds an agent, see `hitab_ros.leases`. Without,
+    an agent that has a process of its own is in no host, and a host keeps its agents for as long
+    as it listens. Who claims the agent of another one is refused, as a fault.
+    """
 
     def __init__(
         self,
         node: GuardedNode,
         agents: Iterable[str],
         take: Callable[[str, int, Answer], None],
-        swarm: str = "",
+        settings: SwarmSettings = ANY_SWARM,
         report: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Subscribe to announcements and actions.
@@ -73,13 +120,14 @@ class HostRegistry:
             node: the world's node.
             agents: all agents of the world.
             take: receives each agent's answer, with the sequence of the percept.
-            swarm: identity of the swarm whose hosts are accepted; empty to accept all.
+            settings: the swarm whose hosts are accepted.
             report: called with the reason why a host is refused.
         """
         self._node, self._agents, self._take = node, frozenset(agents), take
-        self._swarm, self._report = swarm, report
+        self._settings, self._report = settings, report
         self._hosts: dict[str, _Host] = {}
-        self._hosted: set[str] = set()
+        self._holders: dict[str, _Host] = {}
+        self._alone: Collection[str] = ()
         self._listening: set[tuple[str, int]] = set()  # names and numbers of hosts
         rosters = names.in_swarm(node, names.HOSTS)
         node.create_subscription(msg.HostRoster, rosters, self._on_roster, ROSTERS_QOS)
@@ -90,36 +138,85 @@ class HostRegistry:
     def _on_roster(self, roster: msg.HostRoster) -> None:
         if self._agents.isdisjoint(roster.agents):
             return  # the host runs no agent of this world
-        if self._swarm and roster.swarm != self._swarm:
+        if why := self._settings.why_foreign(roster):
             self._report(
-                f"refused the host {roster.host}, which lists {some(roster.agents)}: it is of "
-                f"{f'the swarm {roster.swarm}' if roster.swarm else 'no swarm'}, not of "
-                f"{self._swarm}; end it, or start it with -p swarm:={self._swarm}"
+                f"refused the host {roster.host}, which lists {some(roster.agents)}: {why}"
             )
             return
         before = self._hosts.get(roster.host)
         if before is not None:
-            if roster.number <= before.number:
+            if rank(before.roster) <= rank(roster):
                 return
             self._node.destroy_publisher(before.publisher)
-        self._hosts[roster.host] = _Host(self._node, roster, self._agents)
+        answered = before is not None and before.answered
+        self._hosts[roster.host] = _Host(self._node, roster, answered=answered)
+        self._share_out()
 
-    def look(self) -> bool:
-        """Update which hosts are present; return whether that has changed."""
-        there = {name: host for name, host in self._hosts.items() if host.listens}
+    def look(self, alone: Collection[str] = ()) -> bool:
+        """Update which hosts are present; return whether that has changed.
+
+        Args:
+            alone: the agents that answer in processes of their own.
+        """
+        self._alone = alone
+        self._share_out()
         before = self._listening
-        self._listening = {(name, host.number) for name, host in there.items()}
-        self._hosted = {host.names[i] for host in there.values() for i in host.indices}
+        self._listening = {
+            (name, host.roster.number)
+            for name, host in self._hosts.items()
+            if host.indices and host.listens
+        }
         return before != self._listening
+
+    def _share_out(self) -> None:
+        """Decide which host holds each agent, and show the refused ones."""
+        claims: dict[str, list[_Host]] = {}
+        for host in self._hosts.values():
+            for name in self._agents.intersection(host.roster.agents):
+                claims.setdefault(name, []).append(host)
+        found = {name: self._holder(name, hosts) for name, hosts in claims.items()}
+        self._holders = {name: host for name, host in found.items() if host is not None}
+        for name, host in self._hosts.items():
+            agents = host.roster.agents
+            host.indices = [i for i, a in enumerate(agents) if self._holders.get(a) is host]
+            self._node.guard.faults.set(f"roster of {name}", self._why_refused(host))
+
+    def _holder(self, name: str, hosts: list[_Host]) -> _Host | None:
+        first = min(hosts, key=lambda host: rank(host.roster))
+        if first.roster.lease:
+            return first
+        if name in self._alone:
+            return None
+        before = self._holders.get(name)
+        keeps = None if before is None else before.roster.host
+
+        def order(host: _Host) -> tuple[bool, int]:
+            # Before it has answered, the first that was started, whichever was heard first.
+            return not (host.answered and host.roster.host == keeps), host.roster.number
+
+        return min((host for host in hosts if host.listens), key=order, default=None)
+
+    def _why_refused(self, host: _Host) -> str:
+        """Return why a host that listens does not hold all of its agents; empty if it does."""
+        held = {host.roster.agents[i] for i in host.indices}
+        lost: dict[_Host | None, list[str]] = {}
+        for name in sorted(self._agents.intersection(host.roster.agents) - held):
+            lost.setdefault(self._holders.get(name), []).append(name)
+        if not lost or not host.listens:
+            return ""
+        return "; ".join(_refused(host.roster, names, by) for by, names in lost.items())
 
     @property
     def present(self) -> int:
-        """How many hosts were present at the last `look`."""
+        """How many hosts that hold agents were present at the last `look`."""
         return len(self._listening)
 
     def has(self, agent: str) -> bool:
-        """Return whether an agent runs in a host that was present at the last `look`."""
-        return agent in self._hosted
+        """Return whether an agent is held by a host that was present at the last `look`."""
+        holder = self._holders.get(agent)
+        return holder is not None and (
+            (holder.roster.host, holder.roster.number) in self._listening
+        )
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send all hosts their percepts.
@@ -129,17 +226,34 @@ class HostRegistry:
             percept_of: returns an agent's percept; None to send nothing.
         """
         for name, host in self._hosts.items():
-            if host.listens:
+            if host.indices and host.listens:
                 self._node.guard.run(f"percepts to {name}", host.send, common, percept_of)
 
     def _on_actions(self, batch: msg.ActionBatch) -> None:
         host = self._hosts.get(batch.host)
-        if host is None or host.number != batch.roster:
+        if host is None or host.roster.number != batch.roster:
             return
+        host.answered |= bool(host.indices)
+        agents = host.roster.agents
         said = dict(zip(batch.speakers, batch.said, strict=False))
         values, end = batch.values, 0
         for index, count in zip(batch.agents, batch.value_counts, strict=False):
             begin, end = end, end + count
-            if index < len(host.names):
+            if index < len(agents) and self._holders.get(agents[index]) is host:
                 answer = values[begin:end], said.get(index, "")
-                self._take(host.names[index], batch.sequence, answer)
+                self._take(agents[index], batch.sequence, answer)
+
+
+def _refused(roster: msg.HostRoster, agents: Sequence[str], holder: _Host | None) -> str:
+    """Return why a host does not get agents, which another one holds or their own processes."""
+    lists = f"the host {roster.host} lists {some(agents)}, which"
+    if holder is None:
+        have = "has a process of its own" if len(agents) == 1 else "have processes of their own"
+        return f"{lists} {have}: refused; end {roster.host}"
+    other = holder.roster
+    if not other.lease:
+        return f"{lists} {other.host} runs: refused; end one of the two"
+    return (
+        f"{lists} {other.host} runs on {other.machine} (lease {other.lease}): refused, since it "
+        f"has lease {roster.lease}; it should yield by itself, else end {roster.host}"
+    )

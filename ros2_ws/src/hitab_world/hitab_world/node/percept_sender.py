@@ -9,7 +9,7 @@ from hitab_msgs import msg
 
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.messages.cycle_codec import percept_bytes, read_action
-from hitab_world.node.host_registry import HostRegistry, PerceptOf
+from hitab_world.node.host_registry import ANY_SWARM, HostRegistry, PerceptOf, SwarmSettings
 from hitab_world.simulating.lockstep import Answer
 
 EARLY_TOPICS_MAX = 64  # number of agents up to which topics are created before agents join
@@ -40,7 +40,7 @@ class PerceptSender:
     def join(
         self,
         take: Callable[[str, int, Answer], None],
-        swarm: str = "",
+        swarm: SwarmSettings = ANY_SWARM,
         report: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Receive answers; pass each to ``take`` with the sequence of its percept.
@@ -68,10 +68,9 @@ class PerceptSender:
         actions = self._node.resolve_topic_name(names.ACTIONS)
         ends = self._node.get_publishers_info_by_topic(actions)
         prefix = names.in_swarm(self._node, "")
-        for end in ends:
-            name = end.node_namespace.removeprefix(prefix)
-            if name in self._unexpected:
-                self._expect(name)  # the agent is present once discovery has matched it
+        answering_names = {end.node_namespace.removeprefix(prefix) for end in ends}
+        for name in self._unexpected & answering_names:
+            self._expect(name)  # the agent is present once discovery has matched it
         before, answering = self._counts, self._answering
         self._answering = frozenset(bytes(end.endpoint_gid) for end in ends)
         self._counts = {
@@ -79,7 +78,8 @@ class PerceptSender:
             for name, publisher in self._publishers.items()
         }
         new = any(count > before.get(name, 0) for name, count in self._counts.items())
-        hosts_changed = self._hosts is not None and self._hosts.look()
+        alone = {name for name in answering_names if self._counts.get(name)}
+        hosts_changed = self._hosts is not None and self._hosts.look(alone)
         return hosts_changed or new or not self._answering <= answering
 
     @property

@@ -9,6 +9,7 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from hitab_core import HitabError, has
 
@@ -65,4 +66,7 @@ def declare(node: Node, name: str, figure: Field[Any], description: str = "") ->
         HitabError: if the given value has another type.
     """
     descriptor = ParameterDescriptor(description=description, read_only=True)
+    if figure.default == ():  # ROS knows no type of an empty list
+        strings = Parameter.Type.STRING_ARRAY
+        return tuple(node.declare_parameter(name, strings, descriptor).value or ())
     return node.declare_parameter(name, figure.default, descriptor).value

@@ -19,6 +19,7 @@ WORLD_PARAMETERS = {
     "deadline": "s; in lockstep, how long to wait for an agent's answer",
     "hosts": "how many hosts a world that has just started waits for before it plays",
     "swarm": "identity of its swarm; empty if none, and nothing to resume",
+    "machines": "machines of its swarm, whose hosts alone may run agents; empty for one machine",
     "state_dir": "folder in which its state survives a restart of its process; empty if none",
     "snapshot_period": "s; how often its state is saved for a restart; 0 for never",
     "state_rate": "Hz; how often the true state is published while running",
@@ -50,6 +51,7 @@ class WorldSettings(Parameters):
     state_rate: float = 30.0
     hosts: int = 0
     swarm: str = ""
+    machines: tuple[str, ...] = ()
     state_dir: str = ""
     snapshot_period: float = 1.0
 

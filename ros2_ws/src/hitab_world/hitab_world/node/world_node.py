@@ -34,6 +34,7 @@ from hitab_ros.nodes.fault_texts import STOPPED
 from hitab_ros.stopping.emergency_stop import stopped_by
 from hitab_ros.timing import ANSWER_S, AT_ONCE_S, HEARTBEAT_S
 from hitab_world.node.diagnosis import diagnosis_of_world
+from hitab_world.node.host_registry import SwarmSettings
 from hitab_world.node.percept_sender import PerceptSender
 from hitab_world.node.settings import WorldSettings
 from hitab_world.node.world_services import WorldServices
@@ -91,9 +92,8 @@ class WorldNode(GuardedNode):
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""
-        self._percept_sender.join(
-            self.round_answers.take, self.settings.swarm, self._topics.report_error
-        )
+        swarm = SwarmSettings(self.settings.swarm, self.settings.machines)
+        self._percept_sender.join(self.round_answers.take, swarm, self._topics.report_error)
         self._restored = self.memory.restore()
         if self._restored:
             self.run_state.go_on()
