@@ -61,7 +61,7 @@ def test_a_line_is_nearer_than_a_commander_and_farther_than_a_member():
 def test_processes_of_a_machine_do_not_depend_on_the_others():
     more = THREE.replace("squad_1, ant_7", "squad_1, squad_3")
     before, after = hosts(SWARM + THREE), hosts(SWARM + more)
-    assert before["ant_1"] == after["ant_1"] and before["ant_5"] == after["ant_5"]
+    assert (before["ant_1"], before["ant_5"]) == (after["ant_1"], after["ant_5"])
     assert {process for process in after.values() if process.startswith("lab_3")} == {
         "lab_3_host_1",
         "lab_3_host_2",
@@ -126,7 +126,8 @@ def test_all_machines_know_all_processes_and_the_same_identity(tmp_path):
     assert named[0]["lab_1"] == ("world", "lab_1_host_1")
     assert len({part.identity() for part in parts}) == 1
     left = swarm.in_namespace("left").on_machine("lab_1").identity()
-    assert left != parts[0].identity() and left.startswith("field_left-")
+    assert left != parts[0].identity()
+    assert left.startswith("field_left-")
 
 
 def test_without_a_chosen_machine_all_runs_here_and_as_without_machines(tmp_path):
