@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -11,10 +13,12 @@ import typer
 from hitab_client import completion, console
 from hitab_client.terminal.cli_options import SwarmName
 from hitab_client.terminal.cli_remedies import called, with_commands
-from hitab_core import Fix, has, quantity
+from hitab_core import VOCABULARY_NAME, Fix, HitabError, has, quantity
 
 if TYPE_CHECKING:
+    from hitab_bringup import SwarmDescription
     from hitab_client import RunFolder, RunRecord
+    from hitab_machines import RemoteStarts
 
 LARGE = 100
 """Number of agents above which lines of progress are printed, if there is no bar."""
@@ -31,12 +35,17 @@ def up(
     use_sim_time: Annotated[bool, typer.Option("--use-sim-time")] = False,
     run_dir: Path | None = None,
     agents: Annotated[int, typer.Option(min=0)] = 0,
+    machine: Annotated[str, typer.Option(metavar="NAME")] = "",
+    every: Annotated[bool, typer.Option("--all")] = False,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
 
     Waits until every agent and the world answer. Killed processes are restarted. Learned behaviors
     are kept for the next start of the swarm. A world that was paused when the swarm went down
     stays paused.
+
+    Of a swarm on several machines, --machine starts the part of this one. Without a file here, the
+    swarm's name suffices: another machine that is up sends its file.
 
     Args:
         swarm: A swarm description, the name of a shipped one, or a Python file with a world.
@@ -50,18 +59,26 @@ def up(
         use_sim_time: All nodes but the world take their time from the world's clock.
         run_dir: Run folder, instead of the default one.
         agents: Number of agents, in a world in a Python file. 0: as in the file.
+        machine: This machine's name under `machines:`.
+        every: Start all machines of the swarm: this one is the one without `ssh:`, and the others
+            are started by ssh.
 
     Examples:
       hitab up keepaway
       hitab up keepaway --library my_library
       hitab up my_swarm.yaml --pace lockstep --paused
       hitab up keepaway --namespace left
+      hitab up my_swarm.yaml --machine lab_1
+      hitab up my_swarm --machine lab_2
+      hitab up my_swarm.yaml --all
     """
     from hitab_bringup import bring_up, described_swarm
     from hitab_client import RunFolder
     from hitab_client.runs.run_folder import running_swarms
     from hitab_client.runs.swarm_choice import name_to_choose
 
+    if machine and not every:
+        swarm = _file_or_sent(swarm, namespace, run_dir)
     description = described_swarm(
         swarm,
         run_dir,
@@ -71,6 +88,7 @@ def up(
         paused=paused,
         library=library or "",
         agents=agents,
+        machine=None if every else machine,
     )
     if library:
         for new in {member.library for member in description.members}:
@@ -79,13 +97,32 @@ def up(
     folder = RunFolder.of_swarm(description.name, run_dir)
     began = time.monotonic()
     faults: list[str] = []
-    nodes = len(description.agent_names)
-    tenth = nodes // 10 if nodes > LARGE else 0
-    with console.progress(f"starting {description.name}", "nodes", line_every=tenth) as advance:
-        record = bring_up(description, folder, advance, faults.append, console.note)
+    failures: list[str] = []
+    with contextlib.ExitStack() as stack:
+        starts = None
+        if every:
+            settings = {"--namespace": namespace, "--pace": pace}
+            options = [
+                part for option in settings.items() if option[1] for part in map(str, option)
+            ]
+            options += ["--use-sim-time"] * use_sim_time + ["--paused"] * paused
+            description, starts = _all_machines(description, machine, namespace, options)
+        if description.machine:
+            _refuse_to_join(description, folder)
+        if starts is not None:
+            stack.enter_context(starts)
+        nodes = len(description.members_here)
+        tenth = nodes // 10 if nodes > LARGE else 0
+        with console.progress(f"starting {description.name}", "nodes", line_every=tenth) as bar:
+            record = bring_up(description, folder, bar, faults.append, console.note)
+        if starts is not None:
+            failures += starts.wait()
+        if record.machine:
+            faults += _others(description, record)
+    where = f"{record.machine} of {record.swarm}" if record.machine else record.swarm
     console.say(
-        f"{record.swarm} is up: {quantity(len(record.agents), 'agent')}"
-        f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
+        f"{where} is up: {quantity(len(record.agents_here), 'agent')}"
+        f"{' and a world' if record.world_here else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
     look, stop = "status", "down"
@@ -96,6 +133,56 @@ def up(
     console.say(f"files in {folder.path}; {ways}")
     for fault in faults:
         console.note(fault)
+    if failures:
+        raise HitabError("\n".join(failures))
+
+
+def _file_or_sent(swarm: str, namespace: str, run_dir: Path | None) -> str:
+    """Return the path of a swarm file here, or of the one that another machine sends by its name.
+
+    Shipped swarms run on one machine, so a name without a file is that of a swarm that is up.
+    """
+    from hitab_bringup.processes import supervision
+    from hitab_client import RunFolder
+    from hitab_machines import fetch_description, refuse_limits
+
+    if Path(swarm).exists() or VOCABULARY_NAME.match(swarm) is None:
+        return swarm
+    name = "_".join((swarm, *filter(None, namespace.split("/"))))
+    folder = RunFolder.of_swarm(name, run_dir)
+    supervision.refuse_running(folder)
+    refuse_limits(name)
+    return str(fetch_description(name, folder.path, console.note))
+
+
+def _all_machines(
+    description: SwarmDescription, machine: str, namespace: str, options: Sequence[str]
+) -> tuple[SwarmDescription, RemoteStarts]:
+    """Return the swarm on this machine, and the starts of the others."""
+    from hitab_client import domain_ids
+    from hitab_machines import RemoteStarts, local_machine
+
+    here = description.on_machine(machine or local_machine(description))
+    name = here.name.removesuffix("".join(f"_{part}" for part in namespace.split("/") if part))
+    domain_id = domain_ids.for_swarm(is_free=False)
+    return here, RemoteStarts(here, name, domain_id, options, console.say)
+
+
+def _refuse_to_join(description: SwarmDescription, folder: RunFolder) -> None:
+    from hitab_bringup.processes import supervision
+    from hitab_machines import refuse_to_join
+
+    supervision.refuse_running(folder)
+    with console.err().status("looking for the other machines"):
+        refuse_to_join(description)
+
+
+def _others(description: SwarmDescription, record: RunRecord) -> list[str]:
+    """Wait a while for the other machines; return what to say about them."""
+    from hitab_machines import await_machines
+
+    with console.progress("waiting for the other machines", "machines") as advance:
+        return list(await_machines(description, record, advance))
 
 
 def down(
