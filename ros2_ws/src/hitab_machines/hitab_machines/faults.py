@@ -33,14 +33,14 @@ class MachineFaults:
         self,
         own: MachineStatus,
         up_s: float,
-        differing: Mapping[str, str],
+        differing: Mapping[int, str],
     ) -> Iterator[str]:
         """Yield a sentence for each fault.
 
         Args:
             own: the status of this machine.
             up_s: time since this machine began to listen, s.
-            differing: names of the files that differ, by the digest of all on the other machine.
+            differing: names of the described files that differ, by the number of the other process.
         """
         silent, heard = self._signs.silent(), self._signs.heard
         for name, seconds in sorted(silent.items()):
@@ -68,10 +68,9 @@ class MachineFaults:
                     f"{name} has HiTAB {status.version or 'of no version'}, {self._machine} "
                     f"{own.version}; install the same, and start it again"
                 )
-            if status.description != own.description:
-                what = (
-                    differing.get(status.description) or "the swarm file or a file that it names"
-                )
+            what = differing.get(status.process, "")
+            if what or status.description != own.description:
+                what = what or "the swarm file, or a file that it names"
                 yield (
                     f"{name} was started with other files: {what}; start it again with the files "
                     f"of {self._machine}"

@@ -19,7 +19,7 @@ from hitab_client.runs.run_folder import MARK
 from hitab_core import HitabError, installed_version, some
 from hitab_machines.faults import MachineFaults
 from hitab_machines.files.copies import Copies, copied_folders
-from hitab_machines.files.shared_files import SharedFiles, digest_of
+from hitab_machines.files.shared_files import SharedFiles
 from hitab_machines.jobs import Jobs
 from hitab_machines.local_processes import LocalProcesses
 from hitab_machines.machine_signs import MachineSigns
@@ -64,13 +64,12 @@ class MachineNode(GuardedNode):
             ReadFiles.Request.DESCRIPTION: described,
         }
         self._described = described.digests()
-        digests = repr((description_digest(swarm), sorted(self._described.items())))
         self.status = MachineStatus(
             machine=machine,
             version=installed_version(),
-            description=digest_of(digests.encode()),
+            description=description_digest(swarm),
         )
-        self._differing: dict[str, str] = {}
+        self._differing: dict[int, str] = {}
         self.signs = MachineSigns(self, prefix, record.identity, machine, self._fill)
         self._copies = Copies(folder.path / "copies", jobs, prefix)
         self._faults = MachineFaults(self.signs, machine, list(record.machines))
@@ -112,12 +111,13 @@ class MachineNode(GuardedNode):
                 continue
             if machine.status.files:
                 self._copies.follow(name, machine.status.files)
-            digest = machine.status.description
-            if digest not in (self.status.description, *self._differing):
-                self._jobs.start(f"comparison with {name}", self._compare(name, digest))
+            if machine.status.process not in self._differing:
+                self._jobs.start(
+                    f"comparison with {name}", self._compare(name, machine.status.process)
+                )
         self._taking_over.look(silent)
 
-    async def _compare(self, machine: str, digest: str) -> None:
+    async def _compare(self, machine: str, process: int) -> None:
         """Note which of the described files differ on a machine."""
         there = {
             file.path: file.digest
@@ -125,7 +125,7 @@ class MachineNode(GuardedNode):
         }
         paths = sorted(there.keys() | self._described.keys())
         differing = [path for path in paths if there.get(path) != self._described.get(path)]
-        self._differing[digest] = some(differing)
+        self._differing[process] = some(differing) if differing else ""
 
     def _read_files(
         self, request: ReadFiles.Request, response: ReadFiles.Response

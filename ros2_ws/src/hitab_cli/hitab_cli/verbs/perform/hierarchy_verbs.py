@@ -47,6 +47,8 @@ def tree(
 
     with connection(swarm, reads=True) as swarm_up:
         view = CommanderView(swarm_up.agents)
+        if swarm_up.machines is not None:
+            swarm_up.machines.listen()
         lost = _await_commanders(swarm_up, view)
         swarm_up.note_whose(group.swarm for group in view.groups.values())
 
