@@ -141,8 +141,9 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
     started = (*agents.expected, *(["world"] if swarm_up.has_world else []))
     reasons = {name: processes.why_silent(name) for name in started}
     reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
-    # After a report, only an ended or suspended process counts.
-    reasons = {n: why for n, why in reasons.items() if n not in reported or (why and why.lasts)}
+    # After a report, only an ended or suspended process counts of which no other gives signs.
+    lost = agents.lost_of(reported)
+    reasons = {n: why for n, why in reasons.items() if n not in reported or n in lost}
     for name, seconds in (signs.silent() if signs is not None else {}).items():
         for_now = f"has been silent for {seconds:.0f} s"
         silent = Silence(processes.process_of(name), for_now, lasts=False)
