@@ -137,13 +137,13 @@ class SwarmClient(AgentPresence):
                 missing=lambda: self._absence(agent, DISCOVERY_S),
                 where=agent,
                 seconds=seconds,
-                over=lambda: self.processes.is_lost(agent),
+                over=lambda: self.is_lost(agent),
                 heard=lambda answer: self._take_answer(agent, answer),
             )
         except RequestRefused:
             raise  # so its process is there
         except SwarmError as error:
-            raise self.processes.reason(agent) or error from None
+            raise self.reason(agent) or error from None
 
     def will_do(self, agent: str, kind: type[Operation]) -> None:
         """Prepare for an operation, so that its service is discovered before it is needed."""
@@ -182,7 +182,7 @@ class SwarmClient(AgentPresence):
         if not await self.link.until(
             has_come, ANSWER_S, 0.01, lambda: f"what {agent} is being trained"
         ):
-            raise self.processes.reason(agent) or SwarmError(
+            raise self.reason(agent) or SwarmError(
                 "it does not publish its training", Fix.LOGS(node=agent), where=agent
             )
         if not self.statuses[agent].training.revision:
@@ -245,7 +245,8 @@ class SwarmClient(AgentPresence):
         Each returns the name of an agent, its answer, and whether it succeeded. A host whose
         agents are all meant is asked once, and named instead of them.
         """
-        hosts = self.processes.hosts_within({*agents})
+        within = self.processes.hosts_within({*agents})
+        hosts = {self.host_of(members[0]): members for members in within}
         for host in hosts:
             self.link.will_call(srv.LoadLibrary, self._loading(host))
         for host, members in hosts.items():
@@ -267,7 +268,7 @@ class SwarmClient(AgentPresence):
             srv.LoadLibrary.Request(by=self.demonstrator),
             missing=lambda: self._absence(member, DISCOVERY_S),
             seconds=ANSWER_S + self.more_seconds,
-            over=lambda: self.processes.is_lost(member),
+            over=lambda: self.is_lost(member),
         )
 
     def _loading(self, host: str) -> str:

@@ -18,7 +18,7 @@ from hitab_ros import names, qos
 from hitab_ros.call import blocking
 from hitab_ros.messages.conversions import remedies_of
 from hitab_ros.messages.stamps import seconds_of
-from hitab_ros.timing import FOUND_S, PROMPT_S, REPEAT_S
+from hitab_ros.timing import FOUND_S, PROMPT_S, REPEAT_S, SETTLE_S
 
 NO_WORLD = "no world answers; is a swarm with a world up?"
 NOT_SIMULATED = (
@@ -104,10 +104,15 @@ class WorldClient(SwarmListener):
         own = names.WORLD in self._processes
         if self._processes.are_known and not own:
             seconds = min(seconds, PROMPT_S)
-        is_lost = self._processes.is_lost
+        is_lost, began = self._processes.is_lost, time.monotonic()
+
+        def is_decided() -> bool:
+            # A world that another process runs is heard by then.
+            settled = time.monotonic() > began + SETTLE_S
+            return bool(self.status or self.strangers) or (settled and is_lost(names.WORLD))
 
         await self.link.until(
-            lambda: self.status or self.strangers or is_lost(names.WORLD),
+            is_decided,
             seconds,
             waiting_for=lambda: THE_WORLD,
         )

@@ -20,7 +20,8 @@ from hitab_commander.commander_node import CommanderNode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.operations import BeginTraining, Command, Perform
 from hitab_core.training.operation import Operation
-from hitab_ros import GuardedNode, give_signs_of_life, names, qos
+from hitab_ros import GuardedNode, Lease, give_signs_of_life, names, qos
+from hitab_ros.leases import NO_LEASE
 from hitab_ros.messages.conversions import request_of
 from hitab_ros.testing import context_of_its_own
 
@@ -67,13 +68,22 @@ class Host:
 
     Attributes:
         batches: what other hosts sent to it, or this one sent to itself.
+        yielded: why it yields; the test has to end it.
     """
 
-    def __init__(self, team: "Team", name: str) -> None:
+    def __init__(self, team: "Team", name: str, lease: Lease) -> None:
         self.name = name
         self.desk = GuardedNode("host", namespace=f"/{name}", context=team.context)
         team.executor.add_node(self.desk)
-        self.shared = HostResources(self.desk, is_host=True, on_demand=True, swarm="team")
+        self.yielded: list[str] = []
+        self.shared = HostResources(
+            self.desk,
+            is_host=True,
+            on_demand=True,
+            swarm="team",
+            lease=lease,
+            give_up=self.yielded.append,
+        )
         self.batches: list[msg.Orders | msg.Reports] = []
         for kind, topic in ((msg.Orders, names.ORDERS), (msg.Reports, names.REPORTS)):
             team.link.create_subscription(
@@ -142,9 +152,9 @@ class Team:
         """Return which subordinates of the chief perform its order."""
         return [member.obeys for member in self.groups["chief"].subordinates]
 
-    def host(self, name: str) -> Host:
+    def host(self, name: str, lease: Lease = NO_LEASE) -> Host:
         """Start a host, without nodes so far."""
-        self.hosts[name] = Host(self, name)
+        self.hosts[name] = Host(self, name, lease)
         return self.hosts[name]
 
     def end_host(self, name: str) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from hitab_msgs import msg
 
-from hitab_ros import names, qos
+from hitab_ros import Lease, names, qos
 from hitab_ros.messages.conversions import pairs_message
 
 SQUAD = """\
@@ -242,3 +242,37 @@ def test_a_wrong_roster_misleads_nobody_for_longer_than_it_is_sent(team, host, a
     team.link.destroy_publisher(wrong)
     all_perform(team, "Retreat", "Home")
     all_perform(team, "Attack", "Search")
+
+
+def test_after_a_move_the_new_host_gets_the_orders_and_reports_of_the_old_one_do_not_count(team):
+    first, old = team.host("first", Lease("lab_1", 1)), team.host("old", Lease("lab_2", 1))
+    team.ant("a", "chief", host=first)
+    squad(team, first)
+    stale = team.ant("b", "chief", host=old)
+    for host in (first, old):
+        host.publish_roster()
+    all_perform(team, "Retreat", "Home")
+    team.nodes.pop("b")  # it goes on, since its machine does not hear of the move
+    new = team.host("new", Lease("lab_3", 2))
+    team.ant("b", "chief", host=new)
+    new.publish_roster()
+    team.until(lambda: old.yielded)
+    team.until(lambda: team.performs("b") == "Home")
+    chief = team.nodes["chief"].agent.body
+    team.until(lambda: chief.members["b"].process == "new")
+    old.batches.clear()
+    all_perform(team, "Attack", "Search")
+    assert not [batch for batch in old.batches if isinstance(batch, msg.Orders)]
+    report = msg.Report(agent="b", commander="chief", cycle=7)
+    reports = team.link.create_publisher(msg.Reports, f"/first/{names.REPORTS}", qos.EVENTS)
+    team.until(lambda: reports.get_subscription_count() > 1)
+    seen = len(first.batches)
+    reports.publish(msg.Reports(process="old", reports=[report]))
+    team.until(lambda: len(first.batches) > seen)
+    assert chief.members["b"].process == "new"
+    assert chief.members["b"].cycle != 7
+    assert not new.yielded
+    assert stale.agent.behavior == "Home"
+    moved, team.nodes["b"] = team.nodes["b"], stale
+    team.end_host("old")
+    team.nodes["b"] = moved

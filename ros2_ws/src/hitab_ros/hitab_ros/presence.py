@@ -104,6 +104,14 @@ class Presence:
         """Return the time since the last sign of a name, s; infinite before the first."""
         return self._time.now() - self.last_signs.get(name, -float("inf"))
 
+    def listen(self) -> None:
+        """Take the time into account; to be called periodically, unless `silent` is."""
+        self._time.now()
+
+    def misses(self, name: str) -> bool:
+        """Whether this has listened for long enough, and heard no sign of a name meanwhile."""
+        return self._time.now() - self.last_signs.get(name, 0.0) > self._silent_after_s
+
     def silent(self) -> dict[str, float]:
         """Return the silent names with the time since the last sign, s; call this periodically."""
         now = self._time.now()

@@ -17,7 +17,7 @@ import psutil  # type: ignore[import-untyped]
 from hitab_client.errors import SwarmError
 from hitab_client.runs.run_folder import RunRecord
 from hitab_core import Fix, some
-from hitab_ros.names import WORLD, of_host
+from hitab_ros.names import WORLD
 from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from hitab_ros.timing import DISCOVERY_S, POLL_S, START_S
 
@@ -180,10 +180,10 @@ class RunProcesses:
         fewest = 1 if self._record is not None and self._record.machines else 2
         return len(self._members.get(self.process_of(name), ())) >= fewest
 
-    def hosts_within(self, agents: Set[str]) -> dict[str, Sequence[str]]:
-        """Return the agents of each host all of whose agents are among these, by its ROS name."""
+    def hosts_within(self, agents: Set[str]) -> list[Sequence[str]]:
+        """Return the agents of each host all of whose agents are among these."""
         shared = (names for names in self._members.values() if len(names) > 1)
-        return {of_host(names[0]): names for names in shared if agents >= {*names}}
+        return [names for names in shared if agents >= {*names}]
 
     def pid(self, name: str) -> int:
         """Return the process id of an agent or the world; 0 if unknown."""

@@ -14,10 +14,10 @@ from hitab_client.errors import SwarmError
 from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.showing.swarm_listener import SwarmListener
 from hitab_core import Fix, has, some
-from hitab_ros import SignsOfLife, check_same_message_version, names, qos
+from hitab_ros import SignsOfLife, check_same_message_version, names, qos, steady_timer
 from hitab_ros.call import blocking
 from hitab_ros.messages.checks import ROS_NAME
-from hitab_ros.timing import DISCOVERY_EACH_S, DISCOVERY_S, LOOK_EACH_S, POLL_S, SETTLE_S
+from hitab_ros.timing import DISCOVERY_EACH_S, DISCOVERY_S, FOUND_S, LOOK_EACH_S, POLL_S, SETTLE_S
 
 WATCHED_MAX = 100
 """Maximum number of agents that are watched one by one, from the start; others on request."""
@@ -63,7 +63,8 @@ class AgentPresence(SwarmListener):
         self.faulty: dict[str, None] = {}
         self.news: set[str] = set()
         self._watched: set[str] = set()
-        self._hosted: set[str] = set()
+        self._hosts: dict[str, str] = {}  # by agent or commander
+        self._signs: SignsOfLife | None = None
         self._groups: dict[str, CommanderStatus] = {}
         self._group_takers: list[Callable[[CommanderStatus], None]] = []
         self._hears_hosts = False
@@ -88,7 +89,11 @@ class AgentPresence(SwarmListener):
 
     def is_hosted(self, name: str) -> bool:
         """Whether an agent or commander is known to run in a host with others."""
-        return name in self._hosted or self.processes.is_hosted(name)
+        return name in self._hosts or self.processes.is_hosted(name)
+
+    def host_of(self, name: str) -> str:
+        """Return the name of the host of an agent or commander; the first names it."""
+        return self._hosts.get(name, names.of_host(name))
 
     def _hear_hosts(self) -> None:
         if not self._hears_hosts:
@@ -100,7 +105,7 @@ class AgentPresence(SwarmListener):
     def _take_batch(self, batch: HostStatuses) -> None:
         for status in batch.agents:
             if ROS_NAME.match(status.agent) is not None:
-                self._hosted.add(status.agent)
+                self._hosts[status.agent] = batch.host
                 self._take_status(status.agent, status)
         for group in batch.groups:
             if ROS_NAME.match(group.commander) is not None:
@@ -147,6 +152,42 @@ class AgentPresence(SwarmListener):
             self.prefix,
             lambda name, owner: is_own(owner, self.identity, started_by_it=name in started),
         )
+
+    def is_lost(self, name: str) -> bool:
+        """Whether waiting for an agent or the world is useless.
+
+        Its process must show the reason, and no process may give a sign of life for it: the agent
+        may run elsewhere.
+        """
+        return self.processes.is_lost(name) and self._heard().misses(name)
+
+    def reason(self, name: str) -> SwarmError | None:
+        """Return an error for a silent agent; None if its process shows no reason, or it lives."""
+        lives = self._signs is not None and not self._signs.misses(name)
+        return None if lives and name in self._heard().last_signs else self.processes.reason(name)
+
+    @blocking
+    async def lost_of(self, among: Iterable[str]) -> set[str]:
+        """Return those agents, or the world, for which waiting is useless, once this is known."""
+        suspects = {name for name in among if self.processes.is_lost(name)}
+        if suspects:
+            signs = self._heard()
+            unknown = {*suspects}
+
+            def known() -> bool:
+                decided = {n for n in unknown if n in signs.last_signs or signs.misses(n)}
+                unknown.difference_update(decided)
+                return not unknown
+
+            await self.link.until(known, FOUND_S)
+        return {name for name in suspects if self.is_lost(name)}
+
+    def _heard(self) -> SignsOfLife:
+        """Return the signs of life heard since they were first asked for."""
+        if self._signs is None:
+            self._signs = self.signs_of_life(has_world=names.WORLD in self.processes)
+            steady_timer(self.link.node, POLL_S, self._signs.listen)
+        return self._signs
 
     def discover(self) -> None:
         """Look for new agents, in hosts and elsewhere."""
@@ -198,7 +239,7 @@ class AgentPresence(SwarmListener):
         def complete() -> bool:
             if self._is_due():
                 lost.clear()
-                lost.update(self.processes.lost())
+                lost.update(filter(self.is_lost, self.processes.lost()))
                 if not (few and self.is_large):
                     self.discover()
             if wanted:
@@ -266,7 +307,7 @@ class AgentPresence(SwarmListener):
     def _awaited(self, agents: Iterable[str]) -> set[str]:
         """Return the agents, of these, that have not reported and still may."""
         missing = set(agents) - self.statuses.keys()
-        return {agent for agent in missing if not self.processes.is_lost(agent)}
+        return {agent for agent in missing if not self.is_lost(agent)}
 
     def _begin_waiting(self) -> None:
         self._looks_at, self._newest_at = -math.inf, time.monotonic()
@@ -287,7 +328,7 @@ class AgentPresence(SwarmListener):
     def _absence(self, agent: str, waited: float) -> SwarmError:
         """Return the error for an agent that did not answer for some seconds."""
         if agent in self.expected or agent in self.statuses:
-            if (reason := self.processes.reason(agent)) is not None:
+            if (reason := self.reason(agent)) is not None:
                 return reason
             pid = self.processes.pid(agent)
             running = f"; its process ({pid}) still runs" if pid else ""

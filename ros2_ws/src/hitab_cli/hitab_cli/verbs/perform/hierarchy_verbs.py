@@ -91,7 +91,8 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     from hitab_client.runs.run_processes import sentences
 
     why = {name: swarm_up.processes.why_silent(name) for name in started}
-    awaited = [name for name, silence in why.items() if silence is None or not silence.lasts]
+    lost = swarm_up.agents.lost_of(started)
+    awaited = [name for name in started if name not in lost]
     view.await_groups(DISCOVERY_S + swarm_up.agents.more_seconds, awaited)
     view.discover()
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})

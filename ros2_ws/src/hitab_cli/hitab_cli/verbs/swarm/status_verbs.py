@@ -146,12 +146,13 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
     started = (*agents.expected, *(["world"] if swarm_up.has_world else []))
     reasons = {name: processes.why_silent(name) for name in started}
     reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
-    # After a report, only an ended or suspended process counts.
-    reasons = {n: why for n, why in reasons.items() if n not in reported or (why and why.lasts)}
+    # After a report, only an ended or suspended process counts of which no other gives signs.
+    lost = agents.lost_of(reported)
+    reasons = {n: why for n, why in reasons.items() if n not in reported or n in lost}
     if (machines := swarm_up.machines) is not None:
-        lost = {name: machines.why_silent(name) for name in machines.silent()}
-        of_lost = {name: it for name in started if (it := machines.machine_of(name)) in lost}
-        reasons |= {n: Silence(it, lost[it], lasts=True) for n, it in of_lost.items()}
+        silent_machines = {name: machines.why_silent(name) for name in machines.silent()}
+        on = {n: it for n in started if (it := machines.machine_of(n)) in silent_machines}
+        reasons |= {n: Silence(it, silent_machines[it], lasts=True) for n, it in on.items()}
     for name, seconds in (signs.silent() if signs is not None else {}).items():
         for_now = f"has been silent for {seconds:.0f} s"
         silent = Silence(processes.process_of(name), for_now, lasts=False)
