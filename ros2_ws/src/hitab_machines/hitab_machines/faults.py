@@ -40,7 +40,7 @@ class MachineFaults:
         Args:
             own: the status of this machine.
             up_s: time since this machine began to listen, s.
-            differing: names of the described files that differ, by the number of the other process.
+            differing: names of the described files that differ, by the other process's number.
         """
         silent, heard = self._signs.silent(), self._signs.heard
         for name, seconds in sorted(silent.items()):

@@ -41,9 +41,17 @@ class SwarmMachines:
         self.link.spin_until(lambda: not self.silent(), SETTLE_S)
 
     def silent(self) -> dict[str, float]:
-        """Return the silent machines, with the time of silence, s; infinite if never heard."""
-        never = (name for name in self.record.machines if name not in self._signs.heard)
-        return {**self._signs.silent(), **dict.fromkeys(never, math.inf)}
+        """Return the silent machines, with the time of silence, s; infinite if never heard.
+
+        Of a machine that was silent before this program began, the others tell.
+        """
+        others = [link for status in self.holders.statuses().values() for link in status.links]
+        never = {
+            name: min((link.age for link in others if link.machine == name), default=math.inf)
+            for name in self.record.machines
+            if name not in self._signs.heard
+        }
+        return {**never, **self._signs.silent()}
 
     def machine_of(self, name: str) -> str:
         """Return the machine that has an agent, a commander, a process or the world."""

@@ -72,7 +72,7 @@ def process_names(swarm: SwarmDescription, found: Sequence[Process]) -> dict[str
             process.name
             for process in found
             if process.name in machine.processes
-            or (process.name not in listed and beside[process.namespace] in machine.processes)
+            or (process.name not in listed and beside.get(process.namespace) in machine.processes)
         )
         for machine in swarm.machines
     }
