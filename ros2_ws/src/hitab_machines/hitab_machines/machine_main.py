@@ -9,7 +9,7 @@ from pathlib import Path
 from hitab_bringup import read_swarm
 from hitab_client import RunFolder, SwarmError
 from hitab_client.runs.run_folder import MARK
-from hitab_machines.machine_node import MachineNode
+from hitab_machines.node.machine_node import MachineNode
 from hitab_ros import Spinner, run
 from hitab_ros.timing import FOUND_S
 

@@ -16,7 +16,7 @@ from rclpy.experimental import EventsExecutor
 
 from hitab_bringup import parse_swarm
 from hitab_client import RunFolder, RunRecord
-from hitab_machines.machine_node import MachineNode
+from hitab_machines.node.machine_node import MachineNode
 from hitab_ros import make_node, names, qos
 from hitab_ros.testing import context_of_its_own, spin_until
 
@@ -117,7 +117,7 @@ def test_machines_that_are_alike_have_no_faults_and_a_silent_one_is_named(lab: L
 
 def test_what_is_unlike_is_said_by_name(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
     one = lab.start("lab_1")
-    monkeypatch.setattr("hitab_machines.machine_node.installed_version", lambda: "9.0")
+    monkeypatch.setattr("hitab_machines.node.machine_node.installed_version", lambda: "9.0")
     lab.start("lab_2", SWARM.replace("keeper_3: {}", "keeper_3: {seed: 7}"))
     lab.start("lab_3")
     lab.said(one, "lab_2 has HiTAB 9.0, lab_1")

@@ -15,7 +15,7 @@ from hitab_msgs.srv import ReadFiles
 
 from hitab_core import HitabError
 from hitab_machines.files.shared_files import READ_MAX, SharedFiles, digest_of, safe_path
-from hitab_machines.jobs import Jobs
+from hitab_machines.node.jobs import Jobs
 from hitab_ros import names
 from hitab_ros.call import SwarmError
 

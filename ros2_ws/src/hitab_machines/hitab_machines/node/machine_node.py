@@ -17,14 +17,14 @@ from hitab_bringup.processes.leases import Leases
 from hitab_client import DescriptionError, RunFolder, RunRecord
 from hitab_client.runs.run_folder import MARK
 from hitab_core import HitabError, installed_version, some
-from hitab_machines.faults import MachineFaults
 from hitab_machines.files.copies import Copies, copied_folders
 from hitab_machines.files.shared_files import SharedFiles
-from hitab_machines.jobs import Jobs
-from hitab_machines.local_processes import LocalProcesses
 from hitab_machines.machine_signs import MachineSigns
+from hitab_machines.node.faults import MachineFaults
+from hitab_machines.node.jobs import Jobs
+from hitab_machines.node.local_processes import LocalProcesses
+from hitab_machines.node.taking_over import TakingOver
 from hitab_machines.process_holders import ProcessHolders
-from hitab_machines.taking_over import TakingOver
 from hitab_ros import ROSTERS, GuardedNode, names, steady_timer
 from hitab_ros.timing import REPEAT_S, UPDATE_S
 

@@ -16,7 +16,7 @@ from hitab_client import RunFolder, RunRecord
 from hitab_core import HitabError, has, load_domain, quantity, some
 from hitab_machines.files.copies import Copies
 from hitab_machines.files.learned_files import LearnedFiles
-from hitab_machines.jobs import Jobs
+from hitab_machines.node.jobs import Jobs
 from hitab_machines.process_holders import ProcessHolders, running
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong

@@ -1,0 +1,1 @@
+"""The node of a machine: its signs, faults, services and starts of lost processes."""
