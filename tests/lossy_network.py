@@ -55,20 +55,24 @@ class LossyNetwork:
         self._tell("stop")
         self._switch.wait(10.0)
 
-    def run(self, host: int, line: list[str], log: Path, **environment: str) -> None:
+    def enter(self, host: int) -> list[str]:
+        """Return the beginning of a command line that runs on a host."""
+        line = ["nsenter", "-t", str(self._holders[host - 1]), "-n"]
+        return line if os.geteuid() == 0 else [*line, "-U", "--preserve-credentials"]
+
+    def run(
+        self, host: int, line: list[str], log: Path, **environment: str
+    ) -> subprocess.Popen[bytes]:
         """Start a process on a host; it is killed at the end."""
-        enter = ["nsenter", "-t", str(self._holders[host - 1]), "-n"]
-        if os.geteuid() != 0:
-            enter += ["-U", "--preserve-credentials"]
         with log.open("wb") as output:
-            self._processes.append(
-                subprocess.Popen(
-                    [*enter, *line],
-                    env={**os.environ, **environment},
-                    stdout=output,
-                    stderr=subprocess.STDOUT,
-                )
+            process = subprocess.Popen(
+                [*self.enter(host), *line],
+                env={**os.environ, **environment},
+                stdout=output,
+                stderr=subprocess.STDOUT,
             )
+        self._processes.append(process)
+        return process
 
     def cut_off(self, host: int) -> None:
         """Let nothing pass to and from a host."""

@@ -10,7 +10,7 @@ from hitab_msgs.msg import MachineStatus
 
 from hitab_bringup import SwarmDescription, description_digest
 from hitab_client import RosLink, RunRecord, SwarmError, domain_ids
-from hitab_client.connecting.dds_profile import HERE, RANGE, is_of_this_machine
+from hitab_client.connecting.dds_profile import RANGE, is_of_this_machine
 from hitab_client.terminal.cli_remedies import called
 from hitab_core import installed_version, some
 from hitab_machines.machine_signs import MachineSigns
@@ -31,9 +31,8 @@ def refuse_limits(swarm: str) -> None:
     """
     if is_of_this_machine(os.environ):
         raise SwarmError(
-            f"swarm {swarm} runs on several machines, but its messages would stay on this one "
-            f"({RANGE} is {os.environ.get(RANGE) or f'not set, which means {HERE}'}); "
-            f"`export {RANGE}=SUBNET` here and on the other machines"
+            f"swarm {swarm} has to reach other machines, but the messages of this terminal stay "
+            f"on this one; `export {RANGE}=SUBNET` on each machine before `{called()} up`"
         )
 
 

@@ -131,7 +131,7 @@ class _RemoteStart:
     def _read(self) -> None:
         assert self._process.stdout is not None
         for data in self._process.stdout:
-            if line := data.decode(errors="replace").strip():
+            if line := data.decode(errors="replace").strip().removeprefix("^C"):  # its echo
                 self._last = line
                 self._say(f"{self._machine.name}: {line}")
 
