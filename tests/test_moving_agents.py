@@ -200,3 +200,29 @@ def test_a_machine_takes_over_by_itself_if_the_file_says_so(hitab: Hitab, folder
     after = lab.learned()
     assert after.process != before.process
     assert after.training.examples == before.training.examples > 0
+
+
+def test_a_machine_that_stood_still_yields_when_it_goes_on(hitab: Hitab, folder: Path) -> None:
+    lab = Lab(folder, hitab)
+    lab.teach()
+    assert within(SECONDS, lab.copied)
+    frozen = lab.folders["lab_2"].processes()
+    for process in frozen:
+        process.suspend()
+    try:
+        assert lab.heard_saying(f"lab_2, which runs {MOVED}, has been silent for")
+        code, said = lab.hitab("move", "lab_2", "--to", "lab_1")
+        assert code == 0, said
+        moved = lab.learned()
+    finally:
+        for process in frozen:
+            process.resume()
+    log = lab.folders["lab_2"].log(MOVED)
+    yielded = f"{MOVED} runs on lab_1 now (lease 2); this one yields"
+    assert within(SECONDS, lambda: yielded in log.read_text())
+    assert within(SECONDS, lambda: lab.state("lab_2") == "EXITED")
+    leases = lab.folders["lab_2"].path / "leases.json"
+    assert within(
+        SECONDS, lambda: leases.exists() and json.loads(leases.read_text()) == {MOVED: -2}
+    )
+    assert lab.learned().process == moved.process

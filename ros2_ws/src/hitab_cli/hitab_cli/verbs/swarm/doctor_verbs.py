@@ -7,11 +7,11 @@ from dataclasses import asdict
 
 import typer
 
-from hitab_bringup.doctor import ERROR, Finding
+from hitab_bringup.doctor import ERROR, WARNING, Finding
 from hitab_client import console
 from hitab_client.connecting.ros_environment import problems
 from hitab_client.terminal.cli_options import JsonPath
-from hitab_core import HitabError, quantity
+from hitab_core import HitabError, quantity, some
 
 STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}
 
@@ -55,8 +55,27 @@ def _findings() -> Iterator[Finding]:
     if all(finding.level != "error" for finding in starts):
         try:
             yield from runs.faults()
+            yield from _machines()
         except HitabError as refused:
             yield Finding("ROS", str(refused), ERROR, "check the variables that begin with ROS_")
     yield from machine.home()
     yield from machine.memory()
     yield from machine.limits()
+
+
+def _machines() -> Iterator[Finding]:
+    """Yield what is wrong with the machines of swarms that are up."""
+    from hitab_client import RosLink
+    from hitab_client.runs.run_folder import running_swarms
+    from hitab_machines import SwarmMachines
+
+    for _, record in running_swarms():
+        if not record.machines:
+            continue
+        with RosLink(record.domain_id) as link:
+            machines = SwarmMachines(link, record)
+            machines.listen()
+            for name in machines.silent():
+                yield Finding(record.swarm, f"{name} {machines.why_silent(name)}", ERROR)
+            for fault, telling in machines.faults().items():
+                yield Finding(record.swarm, f"{fault} (says {some(telling)})", WARNING)
