@@ -53,7 +53,7 @@ BUDGET = {
     "hitab_agent": 2880,
     "hitab_bringup": 2810,
     "hitab_class": 200,
-    "hitab_cli": 3120,
+    "hitab_cli": 3130,
     "hitab_client": 4065,
     "hitab_commander": 1150,
     "hitab_core": 9700,

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from hitab_core import HitabError
+from hitab_machines.files.copies import copied_folders
 from hitab_machines.files.shared_files import ANSWER_BYTES_MAX, SharedFiles, safe_path
 
 
@@ -64,3 +65,10 @@ def test_an_answer_has_as_many_files_as_fit_and_a_larger_one_is_refused(
 
 def test_a_huge_request_is_answered_in_part(shared: SharedFiles) -> None:
     assert len(shared.read(["libraries/ant/Dig.yaml"] * 20_000)) == 500
+
+
+def test_what_is_left_out_is_not_listed(tmp_path: Path) -> None:
+    for name in ("state/world/latest.json", "state/ant_1/agent.db"):
+        (tmp_path / name).parent.mkdir(parents=True)
+        (tmp_path / name).touch()
+    assert [*copied_folders(tmp_path).digests()] == ["state/ant_1/agent.db"]

@@ -18,6 +18,8 @@ from hitab_machines.files.shared_files import READ_MAX, SharedFiles, digest_of, 
 from hitab_machines.node.jobs import Jobs
 from hitab_ros import names
 from hitab_ros.call import SwarmError
+from hitab_ros.names import WORLD
+from hitab_ros.timing import REPEAT_S
 
 COPIED = ("libraries", "state")
 """Folders in a run folder with what agents have learned."""
@@ -25,7 +27,8 @@ COPIED = ("libraries", "state")
 
 def copied_folders(run_folder: Path) -> SharedFiles:
     """Return the files of a run folder, or of a copy of one, that machines copy."""
-    return SharedFiles({name: run_folder / name for name in COPIED})
+    # The state of a world changes in each cycle, and is nothing that an agent has learned.
+    return SharedFiles({name: run_folder / name for name in COPIED}, without=(f"state/{WORLD}",))
 
 
 class Copies:
@@ -43,6 +46,7 @@ class Copies:
         self._prefix = prefix
         self._files: dict[str, SharedFiles] = {}
         self._tokens: dict[str, str] = {}
+        self._next: dict[str, float] = {}
 
     def of(self, machine: str) -> Path:
         """Return the folder with the copy of a machine's files."""
@@ -64,7 +68,8 @@ class Copies:
         if self._tokens.get(machine) == token:
             with contextlib.suppress(OSError):
                 os.utime(self._mark(machine))
-        else:
+        elif time.monotonic() > self._next.get(machine, 0.0):
+            self._next[machine] = time.monotonic() + REPEAT_S
             self._jobs.start(f"copy of {machine}", self._follow(machine, token))
 
     async def _follow(self, machine: str, token: str) -> None:

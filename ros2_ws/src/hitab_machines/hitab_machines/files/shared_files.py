@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from hitab_msgs.msg import MachineFile
@@ -45,9 +45,11 @@ class SharedFiles:
 
     Args:
         roots: folders by the first part of the paths, and files by their whole paths.
+        without: paths of folders that are not shared.
     """
 
-    def __init__(self, roots: Mapping[str, Path]) -> None:
+    def __init__(self, roots: Mapping[str, Path], without: Collection[str] = ()) -> None:
+        self._without = without
         self._roots = {name: path.absolute() for name, path in roots.items()}
         self._digests: dict[str, tuple[Mark, str]] = {}
 
@@ -58,7 +60,9 @@ class SharedFiles:
             for path, mark in _walk(root):
                 if len(found) < FILES_MAX:
                     inner = os.path.relpath(path, root)
-                    found[name if inner == "." else f"{name}/{inner}"] = mark
+                    shared = name if inner == "." else f"{name}/{inner}"
+                    if os.path.dirname(shared) not in self._without:
+                        found[shared] = mark
         return found
 
     def token(self) -> str:
