@@ -146,7 +146,7 @@ def _file_or_sent(swarm: str, namespace: str, run_dir: Path | None) -> str:
     from hitab_client import RunFolder
     from hitab_machines import fetch_description, refuse_limits
 
-    if Path(swarm).exists() or VOCABULARY_NAME.match(swarm) is None:
+    if Path(swarm).is_file() or VOCABULARY_NAME.match(swarm) is None:
         return swarm
     name = "_".join((swarm, *filter(None, namespace.split("/"))))
     folder = RunFolder.of_swarm(name, run_dir)
