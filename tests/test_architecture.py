@@ -54,7 +54,7 @@ BUDGET = {
     "hitab_bringup": 2400,
     "hitab_class": 200,
     "hitab_cli": 2950,
-    "hitab_client": 4000,
+    "hitab_client": 4050,
     "hitab_commander": 1150,
     "hitab_core": 9700,
     "hitab_export": 900,
