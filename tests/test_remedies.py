@@ -18,6 +18,9 @@ from hitab_core import Fix, HitabError
 from hitab_ros.messages.conversions import remedies_of, remedy_messages
 from hitab_studio.pages.ui_remedies import BUTTONS, in_studio
 
+CHOSEN = {"behavior", "feature", "snapshot"}
+"""What only a person can choose: a remedy may leave it open."""
+
 
 def arguments(text):
     return {name for _, name, _, _ in Formatter().parse(text) if name}
@@ -30,7 +33,8 @@ def made():
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.Call) and ast.unparse(node.func).startswith("Fix."):
                     names = {keyword.arg for keyword in node.keywords}
-                    yield f"{path.name}:{node.lineno}", Fix[node.func.attr], names
+                    place = f"{path.relative_to(ROOT)}:{node.lineno}"
+                    yield place, Fix[node.func.attr], names
 
 
 @pytest.mark.parametrize("code", REMEDY_COMMANDS, ids=lambda code: code.name)
@@ -48,6 +52,21 @@ def test_every_argument_of_a_remedy_is_told_by_some_face():
         if not names <= arguments(code.value) | arguments(REMEDY_COMMANDS.get(code, ""))
     ]
     assert wrong == []
+
+
+def test_no_remedy_leaves_open_what_is_known():
+    # The engine's remedies are for the agent that gives them, which adds its name.
+    wrong = [
+        (place, code.name, name)
+        for place, code, names in made()
+        for name in arguments(code.value) | arguments(REMEDY_COMMANDS.get(code, "")) - CHOSEN
+        if name not in names | CHOSEN
+        and not (name == "agent" and place.startswith("ros2_ws/src/hitab_core/"))
+    ]
+    assert wrong == []
+    for code in (Fix.CAUTION, Fix.TRAIN, Fix.CORRECT):
+        assert ("agent", "ann") in code().of("ann").arguments
+    assert Fix.SAVE(agent="bob").of("ann") == Fix.SAVE(agent="bob")
 
 
 def test_a_remedy_survives_the_way_to_each_face(monkeypatch):

@@ -8,6 +8,7 @@ import pytest
 
 from hitab_bringup import Leases, described_files, description_digest, parse_swarm, read_swarm
 from hitab_bringup.processes import swarm_processes
+from hitab_bringup.processes.leases import as_leased
 from hitab_bringup.processes.swarm_processes import all_processes, process_names, processes
 from hitab_client import DescriptionError, SwarmError
 
@@ -104,15 +105,14 @@ machines: {desk: {runs: robot_1}, field: {runs: robot}}
 
 def test_a_machine_starts_its_own_processes_with_leases_and_its_node(tmp_path):
     swarm = parse_swarm(SWARM + THREE, HERE)
-    Leases(tmp_path).set("lab_3_host_2", 4)
+    Leases(tmp_path).take("lab_3_host_2", 4)
     found = {p.name: p for p in processes(swarm.on_machine("lab_3"), tmp_path, "field-1")}
     assert [*found] == ["lab_3_host_1", "lab_3_host_2", "lab_3"]
     assert found["lab_3_host_1"].parameters["lease"] == 1
     assert found["lab_3_host_2"].parameters["lease"] == 4
+    node = found.pop("lab_3")
     assert {p.parameters["machine"] for p in found.values()} == {"lab_3"}
-    node = found["lab_3"]
     assert (node.module, node.namespace) == ("hitab_machines.machine_main", "/lab_3")
-    assert node.parameters == {"machine": "lab_3", "swarm": "field-1", "run_dir": str(tmp_path)}
     first, *_ = processes(swarm.on_machine("lab_1"), tmp_path)
     assert first.parameters["machines"] == ("lab_1", "lab_2", "lab_3")
     assert first.parameters["hosts"] == 4
@@ -182,11 +182,27 @@ def test_a_machine_is_chosen_by_name_and_a_swarm_without_any_has_none():
         alone.on_machine("lab_1")
 
 
+def test_a_machine_runs_again_what_it_had_taken_and_nothing_that_it_had_yielded(tmp_path):
+    swarm = parse_swarm(SWARM + THREE, HERE).on_machine("lab_3")
+    Leases(tmp_path).take("lab_2_host_1", 2)
+    Leases(tmp_path).give_up("lab_3_host_1", 2)
+    leased = {machine.name: machine.processes for machine in as_leased(swarm, tmp_path).machines}
+    before = {machine.name: machine.processes for machine in swarm.machines}
+    assert leased["lab_3"] == ("lab_3_host_2", "lab_2_host_1")
+    assert "lab_2_host_1" not in leased["lab_2"]
+    assert leased["lab_1"] == before["lab_1"]
+
+
 def test_leases_are_kept_and_a_broken_file_is_refused_with_the_way_out(tmp_path):
     assert Leases(tmp_path).of("host_1") == 1
-    Leases(tmp_path).set("host_1", 2)
-    Leases(tmp_path).set("host_2", 7)
-    assert (Leases(tmp_path).of("host_1"), Leases(tmp_path).of("host_2")) == (2, 7)
+    Leases(tmp_path).take("host_1", 2)
+    Leases(tmp_path).give_up("host_2", 7)
+    kept = Leases(tmp_path)
+    assert [(kept.of(name), kept.is_yielded(name)) for name in ("host_1", "host_2", "host_3")] == [
+        (2, False),
+        (7, True),
+        (1, False),
+    ]
     for text in ("[1]", "{", json.dumps({"host_1": 0}), json.dumps({"host_1": "2"})):
         (tmp_path / "leases.json").write_text(text)
         with pytest.raises(SwarmError, match=r"leases\.json cannot be read .*; remove it"):

@@ -9,6 +9,7 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
+from hitab_client.connecting.identity import is_own
 from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
 from hitab_client.runs.run_processes import RunProcesses
@@ -82,9 +83,13 @@ class WorldClient(SwarmListener):
         return names.of_world(name, self.prefix)
 
     def _take_status(self, status: WorldStatus) -> None:
-        self.status = status if self._is_own(THE_WORLD, status.swarm) else None
+        if self._is_own(THE_WORLD, status.swarm):
+            self.status = status
 
     def _take_state(self, state: WorldState) -> None:
+        started_by_it = THE_WORLD in self._started
+        if not is_own(state.swarm, self.identity, started_by_it=started_by_it):
+            return
         self.state = state
         now, simulated = time.monotonic(), seconds_of(state.header.stamp)
         if self._first_stamp is None or simulated < self._first_stamp[1]:
@@ -128,7 +133,7 @@ class WorldClient(SwarmListener):
         """Error for a missing world, with the way out; a swarm of robots needs none."""
         if self._processes.are_known:
             return SwarmError(NOT_SIMULATED)
-        return SwarmError(NO_WORLD, Fix.UP())
+        return SwarmError(NO_WORLD, Fix.UP(swarm="keepaway"))
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""

@@ -26,7 +26,7 @@ from hitab_core.running.observing import Observe
 from hitab_core.running.run_context import RunContext, Running
 from hitab_core.running.seeding import agent_seed
 from hitab_core.term import Term
-from hitab_core.texts.errors import FeatureValueError, TrainingError
+from hitab_core.texts.errors import FeatureValueError, HitabError, TrainingError
 from hitab_core.texts.remedies import Fix
 from hitab_core.texts.wording import quantity
 from hitab_core.training.curriculum import Curriculum
@@ -221,6 +221,8 @@ class Agent(AgentLibrary):
             try:
                 outcome = operation.apply(self)
             except Exception as error:
+                if isinstance(error, HitabError):
+                    error.remedies = tuple(remedy.of(self.name) for remedy in error.remedies)
                 if self.journal.recorded:
                     self.outcomes.keep(operation.id, Outcome(f"recorded, but then: {error}"))
                 raise

@@ -63,7 +63,7 @@ def test_a_caution_that_means_nothing_is_refused() -> None:
         ("halt", -1.0, "distance must be a number of at least 0, not -1"),
         ("halt", float("nan"), "at least 0"),
         ("halt", float("inf"), "at least 0"),
-        ("halt", 0.0, "say when an agent is unsure"),
+        ("halt", 0.0, "say when AGENT is unsure"),
     ]:
         with pytest.raises(TrainingError, match=why):
             Caution.parse(when, distance)

@@ -82,3 +82,10 @@ def test_a_wrong_number_is_refused_also_if_only_numbers_have_changed(wrong):
     with pytest.raises(BadMessage):
         reader(serialize_message(state("ant_1", **wrong)))
     read(reader, state("ant_1", cycle=3))
+
+
+def test_a_state_of_another_swarm_is_told_apart_though_nothing_else_differs():
+    reader, made = SceneReader(), state("ant")
+    for swarm in ("pond-00000001", "pond-00000001", "pond-00000002"):
+        made.swarm = swarm
+        assert reader(serialize_message(made)).swarm == swarm

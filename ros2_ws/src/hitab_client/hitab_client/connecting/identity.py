@@ -78,7 +78,8 @@ def other_swarm(node: str, owner: str, chosen: str) -> SwarmError:
         registered_swarms,  # circular: it imports `is_identity`
     )
 
-    left = [record.swarm for _, record in registered_swarms() if record.identity == owner]
+    here = {record.identity: record.swarm for _, record in registered_swarms()}
+    left = [here[owner]] if owner in here else []
     if chosen == STARTED_BY_HAND and left:
         return SwarmError(
             f'{node} is left of swarm "{left[0]}", which has ended without being stopped',
@@ -91,8 +92,8 @@ def other_swarm(node: str, owner: str, chosen: str) -> SwarmError:
             f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {owner}"
         )
     other = f"swarm {owner}" if owner else STARTED_BY_HAND
+    choose = f"choose the other swarm with --swarm {owner}, or " if owner else ""
     return SwarmError(
-        f"{node} belongs to {other}, not to swarm {chosen}; choose the swarm with --swarm NAME, "
-        "or stop one of the two",
-        Fix.DOWN(),
+        f"{node} belongs to {other}, not to swarm {chosen}; {choose}stop one of the two",
+        *(Fix.DOWN(swarm=identity) for identity in (owner, chosen) if identity in here),
     )

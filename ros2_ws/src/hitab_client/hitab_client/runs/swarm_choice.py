@@ -27,13 +27,15 @@ if TYPE_CHECKING:
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 
 
-def only(found: Sequence[Found], what: str = "swarms are up", *remedies: Remedy) -> Found | None:
+def only(
+    found: Sequence[Found], what: str = "swarms are up", way: Fix | None = None
+) -> Found | None:
     """Return the only swarm of several; None if there is none.
 
     Args:
         found: the swarms.
         what: text that describes the swarms.
-        remedies: ways to continue without a choice.
+        way: what can be done with one of them, to propose it for each.
 
     Raises:
         SwarmError: if there are several; names each with a distinguishing property.
@@ -46,7 +48,8 @@ def only(found: Sequence[Found], what: str = "swarms are up", *remedies: Remedy)
             f"  {name}: ROS domain {record.domain_id}, {folder.path}"
             for name, (folder, record) in zip(names, found, strict=True)
         ]
-        raise SwarmError("\n".join((f"several {what}; {WAY_TO_CHOOSE}:", *lines)), *remedies)
+        ways = [way(swarm=name) for name in names] if way is not None else []
+        raise SwarmError("\n".join((f"several {what}; {WAY_TO_CHOOSE}:", *lines)), *ways)
     return found[0] if found else None
 
 
@@ -232,11 +235,11 @@ def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None
     """
     up = list(running_swarms())
     left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]
-    ended, ways = "have ended without being stopped", (Fix.DOWN(),)
+    ended = "have ended without being stopped"
     if which is None:
-        return only(up, "swarms are up", *ways) or only(left, f"swarms {ended}", *ways)
-    found = only(meant(which, up), _called(which), *ways) or only(
-        meant(which, left), f'swarms called "{which}" {ended}', *ways
+        return only(up, way=Fix.DOWN) or only(left, f"swarms {ended}", Fix.DOWN)
+    found = only(meant(which, up), _called(which), Fix.DOWN) or only(
+        meant(which, left), f'swarms called "{which}" {ended}', Fix.DOWN
     )
     if found is not None:
         return found

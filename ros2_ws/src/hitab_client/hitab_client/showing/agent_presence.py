@@ -336,5 +336,6 @@ class AgentPresence(SwarmListener):
             return SwarmError(f"{silent}{running}", Fix.LOGS(node=agent))
         known = {*self.statuses, *self.expected}
         if not known:
-            return SwarmError(f'no agent "{agent}" answers, and no other does', Fix.UP())
+            silent = f'no agent "{agent}" answers, and no other does'
+            return SwarmError(silent, Fix.UP(swarm="keepaway"))
         return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Fix.STATUS())

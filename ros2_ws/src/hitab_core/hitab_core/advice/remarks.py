@@ -53,8 +53,7 @@ class Remark:
 
     def of(self, agent: str) -> Remark:
         """Return the remark with an agent's name in its remedy."""
-        named = (("agent", agent), *self.remedy.arguments)
-        return replace(self, remedy=replace(self.remedy, arguments=named))
+        return replace(self, remedy=self.remedy.of(agent))
 
     def __str__(self) -> str:
         """Return the remark in plain words, without the remedy."""

@@ -30,7 +30,7 @@ class Fix(Enum):
     )
     EXAMPLES_OF = "list the examples of a trained behavior of {agent}"
     TEST = "test what {agent} has learned"
-    CAUTION = "say when an agent is unsure"
+    CAUTION = "say when {agent} is unsure"
     SAVE = "save the training of {agent}"
     DISCARD = "discard the training of {agent}"
     PERFORM = "have {agent} perform a behavior"
@@ -73,6 +73,12 @@ class Remedy:
 
     code: Fix
     arguments: tuple[tuple[str, str], ...] = ()
+
+    def of(self, agent: str) -> Remedy:
+        """Return the remedy with an agent's name, if it is for an agent and names none."""
+        if "{agent}" not in self.code.value or "agent" in dict(self.arguments):
+            return self
+        return Remedy(self.code, (("agent", agent), *self.arguments))
 
     def __str__(self) -> str:
         """Return the remedy in plain words.

@@ -35,12 +35,14 @@ class SceneState:
     Attributes:
         header, cycle, change: as in `WorldState`.
         scene: the scene.
+        swarm: identity of the world's swarm.
     """
 
     header: Header
     cycle: int
     change: int
     scene: Scene
+    swarm: str = ""
 
 
 class _Layout:
@@ -53,7 +55,7 @@ class _Layout:
     """
 
     def __init__(self, data: bytes, state: Any, scene: Scene) -> None:
-        self._scene, self._frame_id = scene, state.header.frame_id
+        self._scene, self._frame_id, self._swarm = scene, state.header.frame_id, state.swarm
         self._size = len(data)
         self._at = 0
         # What must not change; neither the numbers nor the bytes between fields, which vary.
@@ -79,7 +81,8 @@ class _Layout:
             self._keep(2, 1)
             self._keep(5, 4)
         self._change = self._skip(WORD) // WORD
-        self._keep_text(state.note)
+        for text in (state.note, state.swarm):
+            self._keep_text(text)
         words = _words(data)
         self._mask = self._same[: words.nbytes].view(np.uint64)
         self._others = self._without_numbers(words)
@@ -126,7 +129,8 @@ class _Layout:
             seconds=seconds_of(stamp),
             places=places,
         )
-        return SceneState(Header(stamp=stamp, frame_id=self._frame_id), cycle, change, scene)
+        header = Header(stamp=stamp, frame_id=self._frame_id)
+        return SceneState(header, cycle, change, scene, self._swarm)
 
 
 class SceneReader:
@@ -146,7 +150,8 @@ class SceneReader:
             return state
         message = deserialize_message(data, WorldState)
         check(message)
-        read = SceneState(message.header, message.cycle, message.change, scene_of(message))
+        header, scene = message.header, scene_of(message)
+        read = SceneState(header, message.cycle, message.change, scene, message.swarm)
         self._layout = _Layout(data, message, read.scene)
         # Another machine's encoding may differ; then every state is converted.
         if not _same(self._layout.read(data), read):
@@ -158,7 +163,7 @@ def _same(one: SceneState | None, other: SceneState) -> bool:
     """Whether the numbers of two states are equal, NaN included."""
     return one is not None and all(
         (
-            (one.header, one.change) == (other.header, other.change),
+            (one.header, one.change, one.swarm) == (other.header, other.change, other.swarm),
             all(getattr(one.scene, name) == getattr(other.scene, name) for name in AS_IN_STATE),
             one.scene.places.tobytes() == other.scene.places.tobytes(),
         )

@@ -141,7 +141,7 @@ class Observer:
     def see(self) -> None:
         """Take the newest state of the world."""
         state = self._world.state
-        if state is None or state is self._shown or self._world.strangers:
+        if state is None or state is self._shown:
             return
         self._shown = state
         self._signs.hear_known([names.WORLD])

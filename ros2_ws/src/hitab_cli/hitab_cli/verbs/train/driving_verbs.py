@@ -51,8 +51,7 @@ def drive(
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise SwarmError(
             "driving needs a terminal with a keyboard; a gamepad does without",
-            Fix.DEMONSTRATE(),
-            Fix.PERFORM(),
+            *(way(agent=agent) for way in (Fix.DEMONSTRATE, Fix.PERFORM) if agent),
         )
     for name, value in (("--speed", speed), ("--turn", turn)):
         if not 0.0 < value <= 10.0:
