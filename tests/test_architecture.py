@@ -54,7 +54,7 @@ BUDGET = {
     "hitab_bringup": 2810,
     "hitab_class": 200,
     "hitab_cli": 3130,
-    "hitab_client": 4065,
+    "hitab_client": 4070,
     "hitab_commander": 1150,
     "hitab_core": 9700,
     "hitab_export": 900,
