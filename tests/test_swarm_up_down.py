@@ -32,7 +32,7 @@ swarm: mistyped
 domain: keepaway
 agents:
   mistyped_agent:
-    parameters: {out_of_reach_after: soon}
+    parameters: {action_timeout: soon}
 """
 
 
@@ -92,7 +92,7 @@ def test_a_parameter_of_another_type_is_told_with_its_line_in_the_swarm_file(hit
     up = hitab("up", path)
     assert up.returncode == 1
     assert up.stderr.startswith(f"error: {path}:5: mistyped_agent ended while starting; ")
-    told = 'the parameter "out_of_reach_after" is the text "soon"; it must be such as 5.0'
+    told = 'the parameter "action_timeout" is the text "soon"; it must be such as 2.0'
     assert told in up.stderr
     assert "Traceback" not in up.stderr
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from hitab_bringup.libraries.library_choice import known_libraries
 from hitab_bringup.swarm_files.commander_tree import CommanderTree, in_hosts
+from hitab_bringup.swarm_files.out_of_reach import with_reach
 from hitab_bringup.swarm_files.swarm_description import (
     AGENT_MARK,
     SIM_TIME,
@@ -166,8 +167,8 @@ class _Reader:
         groups = {key: tree.with_superiors(group) for key, group in groups.items()}
         agents = [agent for group in groups.values() for agent in group]
         if self._world_file:
-            own = {f"agent_{i + 1}" for i in range(len(agents))}
-            if own != {agent.name for agent in agents}:
+            names = {f"agent_{i + 1}" for i in range(len(agents))}
+            if names != {agent.name for agent in agents}:
                 text = "of a world in one file are called agent_1, agent_2 and so on: rename them"
                 self._complaints.add(("agents",), text)
         for section, found in (("agents", groups), ("commanders", lines)):
@@ -178,6 +179,9 @@ class _Reader:
         self._owners |= {m.process: m.name for m in (*agents, *commanders)}
         processes = tuple(self._processes())
         self._complaints.raise_any()
+        own = {m.name: file.agents[key] for key, group in groups.items() for m in group}
+        own |= {m.name: file.commanders[key] for key, group in lines.items() for m in group}
+        agents, commanders = with_reach(agents, commanders, own, file, {})
         return SwarmDescription(
             name,
             self._path,

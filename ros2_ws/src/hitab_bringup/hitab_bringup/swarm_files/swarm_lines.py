@@ -2,6 +2,8 @@
 
     remap: {cmd_vel: /base/cmd_vel}     # names that the nodes of a line use: other names
     parameters: {max_speed: 0.5}        # of the nodes
+    when_out_of_reach: halt             # while the commander or operator is silent, or go_on
+    out_of_reach_after: 3.0             # s of silence
     use_sim_time: true                  # the nodes' clock is the topic /clock
     commanders:
       captain: {kind: Company, commands: [scout_1, scout_2, corporal]}   # one, over all of these
@@ -37,10 +39,14 @@ RESERVED = (
     *(WORLD, "hosts", "statuses", "commands", "alive", "operators"),
     *("distribution", "distribution_ack", "clock", "machines"),
 )
-SET = ("commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world")
+SET = (
+    *("commander", "superiors", "roles", "state_dir", "subordinates", "asks_position", "swarm"),
+    "world",
+)
 """Parameters of agents and worlds that a swarm sets by itself."""
 
-OWN_LINES = ("domain", "library", "behavior", "seed", "role", SIM_TIME)
+OUT_OF_REACH = ("when_out_of_reach", "out_of_reach_after")
+OWN_LINES = ("domain", "library", "behavior", "seed", "role", SIM_TIME, *OUT_OF_REACH)
 """Parameters of agents for which a line has keys."""
 
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
@@ -189,7 +195,14 @@ class Nodes(Renamed):
     use_sim_time: bool | None = None
 
 
-class MemberSettings(Nodes):
+class ReachLine(Record):
+    """What members of the swarm do out of reach; `out_of_reach` says for whom a line holds."""
+
+    when_out_of_reach: Annotated[str, among(("go_on", "halt"))] = "go_on"
+    out_of_reach_after: float = Field(default=5.0, gt=0.0, le=3600.0)
+
+
+class MemberSettings(Nodes, ReachLine):
     """Settings that agents and commanders have in common."""
 
     library: str = ""
