@@ -51,7 +51,7 @@ BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
     "hitab_agent": 2810,
-    "hitab_bringup": 2400,
+    "hitab_bringup": 2425,
     "hitab_class": 200,
     "hitab_cli": 2950,
     "hitab_client": 4000,

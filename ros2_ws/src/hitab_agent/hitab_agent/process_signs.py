@@ -26,6 +26,8 @@ class ProcessSigns:
         self._node = node
         self._process = names.own_name(node)
         self._followers: dict[str, dict[Follow, None]] = {}
+        self._followers_of_all: list[Follow] = []
+        self._listens = False
         self._perceiving: list[Subordinate] = []
         self._reporting: list[Callable[[], object]] = []
         # Hundreds of commanders that decide at a sign must not delay a percept or an order.
@@ -54,13 +56,25 @@ class ProcessSigns:
 
     def follow(self, process: str, call: Follow) -> None:
         """Call a guarded function with each sign of life of a process."""
-        if process != self._process and not self._followers.keys() - {self._process}:
+        if process != self._process:
+            self._listen()
+        self._followers.setdefault(process, {})[call] = None
+
+    def follow_all(self, call: Follow) -> None:
+        """Call a function with each sign of life of another process, at once."""
+        self._listen()
+        self._followers_of_all.append(call)
+
+    def _listen(self) -> None:
+        if not self._listens:
             topic = names.in_swarm(self._node, names.ALIVE)
             self._node.create_subscription(Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
-        self._followers.setdefault(process, {})[call] = None
+        self._listens = True
 
     def _hear(self, sign: Alive) -> None:
         if sign.process != self._process:
+            for call in self._followers_of_all:
+                call(sign)
             self._pass_on(sign)
 
     def _pass_on(self, sign: Alive) -> None:

@@ -99,7 +99,10 @@ def test_the_line_of_a_machine_counts_less_than_that_of_a_commander_and_more_tha
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        ({"when_out_of_reach": "stop"}, '`when_out_of_reach:` is "stop", which is not known'),
+        (
+            {"when_out_of_reach": "stop"},
+            '`when_out_of_reach:` is the text "stop", which is not known',
+        ),
         ({"out_of_reach_after": 0}, "`out_of_reach_after:` must be more than 0, not 0"),
         (
             {"parameters": "{when_out_of_reach: halt}"},

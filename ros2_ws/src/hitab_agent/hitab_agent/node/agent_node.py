@@ -12,7 +12,7 @@ from hitab_msgs import msg
 from hitab_agent import actions
 from hitab_agent.agent_endpoints import AgentEndpoints
 from hitab_agent.host_resources import HostResources
-from hitab_agent.links.reach_watch import ReachWatch
+from hitab_agent.links.reach_watch import Reach
 from hitab_agent.links.robot_link import OwnStop, link_class
 from hitab_agent.links.superior_link import SuperiorLink
 from hitab_agent.links.world_link import WorldLink
@@ -108,7 +108,7 @@ class AgentNode(AgentBase):
         self.actions: actions.ActionClients | None = None
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
-        self._reach: ReachWatch | None = None
+        self._reach: Reach | None = None
         self._start_error = ""
         self.memory = RestartMemory(states, self.agent_name, settings.swarm)
         if self.memory.damage:
@@ -164,7 +164,7 @@ class AgentNode(AgentBase):
             self.superior = self.status.superior = SuperiorLink(self, subordinate)
             self.stop_changed()
         if settings.when_out_of_reach == "halt":
-            self._reach = ReachWatch(self)
+            self._reach = shared.reach.join(self)
         training, performed = self.agent.session, self.memory.performed
         if training is not None:
             self.status.began(

@@ -26,6 +26,7 @@ from hitab_bringup.swarm_files.swarm_lines import (
     MemberSettings,
     Nodes,
     ProcessLine,
+    ReachLine,
     SwarmLines,
     WorldLine,
     module_exists,
@@ -179,7 +180,8 @@ class _Reader:
         self._owners |= {m.process: m.name for m in (*agents, *commanders)}
         processes = tuple(self._processes())
         self._complaints.raise_any()
-        own = {m.name: file.agents[key] for key, group in groups.items() for m in group}
+        own: dict[str, ReachLine] = {}
+        own |= {m.name: file.agents[key] for key, group in groups.items() for m in group}
         own |= {m.name: file.commanders[key] for key, group in lines.items() for m in group}
         agents, commanders = with_reach(agents, commanders, own, file, {})
         return SwarmDescription(
