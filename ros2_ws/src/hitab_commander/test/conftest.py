@@ -187,7 +187,13 @@ class Team:
         )
 
     def _join(
-        self, node_class: Any, name: str, *, host: Host | None = None, **settings: Any
+        self,
+        node_class: Any,
+        name: str,
+        *,
+        host: Host | None = None,
+        is_watched: bool = True,
+        **settings: Any,
     ) -> Any:
         settings = {
             "swarm": "team",
@@ -202,7 +208,7 @@ class Team:
             use_global_arguments=False,
             shared=host and host.shared,
         )
-        if name not in self._percepts:
+        if is_watched and name not in self._percepts:
             self._percepts[name] = None
             self._listen(
                 msg.AgentStatus, name, names.STATUS, lambda s: self.statuses.__setitem__(name, s)
