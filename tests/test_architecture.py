@@ -50,7 +50,7 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2810,
+    "hitab_agent": 2840,
     "hitab_bringup": 2425,
     "hitab_class": 200,
     "hitab_cli": 2950,

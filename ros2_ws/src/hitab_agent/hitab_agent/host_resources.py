@@ -78,7 +78,7 @@ class HostResources:
             rosters = HostRosters(node, hosts, lambda roster: swarm in ("", roster.swarm))
         self.exchange = Exchange(node, self.scheduler, rosters)
         self.signs = ProcessSigns(node)
-        self.reach = ReachWatch(node, self.exchange, self.signs, self.scheduler, rosters)
+        self.reach = ReachWatch(node, self, rosters)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
         self.on_demand = (

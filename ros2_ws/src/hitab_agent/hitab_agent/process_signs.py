@@ -26,8 +26,6 @@ class ProcessSigns:
         self._node = node
         self._process = names.own_name(node)
         self._followers: dict[str, dict[Follow, None]] = {}
-        self._followers_of_all: list[Follow] = []
-        self._listens = False
         self._perceiving: list[Subordinate] = []
         self._reporting: list[Callable[[], object]] = []
         # Hundreds of commanders that decide at a sign must not delay a percept or an order.
@@ -55,31 +53,19 @@ class ProcessSigns:
         self._pass_on(sign)
 
     def follow(self, process: str, call: Follow) -> None:
-        """Call a guarded function with each sign of life of a process."""
-        if process != self._process:
-            self._listen()
-        self._followers.setdefault(process, {})[call] = None
-
-    def follow_all(self, call: Follow) -> None:
-        """Call a function with each sign of life of another process, at once."""
-        self._listen()
-        self._followers_of_all.append(call)
-
-    def _listen(self) -> None:
-        if not self._listens:
+        """Call a guarded function with each sign of life of a process; of all if it is empty."""
+        if process != self._process and not self._followers.keys() - {self._process}:
             topic = names.in_swarm(self._node, names.ALIVE)
             self._node.create_subscription(Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
-        self._listens = True
+        self._followers.setdefault(process, {})[call] = None
 
     def _hear(self, sign: Alive) -> None:
         if sign.process != self._process:
-            for call in self._followers_of_all:
-                call(sign)
             self._pass_on(sign)
 
     def _pass_on(self, sign: Alive) -> None:
-        if followers := self._followers.get(sign.process):
-            self._later.do(_calls(list(followers), sign))
+        if followers := [f for name in (sign.process, "") for f in self._followers.get(name, ())]:
+            self._later.do(_calls(followers, sign))
 
 
 def _calls(followers: list[Follow], sign: Alive) -> Job:

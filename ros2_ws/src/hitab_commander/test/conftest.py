@@ -89,7 +89,8 @@ class Host:
         for link in self.shared.links.values():
             link.listen()
         self.shared.roster.publish()
-        give_signs_of_life(self.desk, "team", self.shared.signs.fill)
+        if self._team.gives_signs:
+            give_signs_of_life(self.desk, "team", self.shared.signs.fill)
 
     def play(self, agents: int) -> int:
         """Give the first of its nodes a percept each, and return the cycle."""

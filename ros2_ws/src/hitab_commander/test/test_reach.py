@@ -65,6 +65,7 @@ def test_many_in_a_host_halt_while_the_process_of_their_commander_is_suspended(t
         team.until(lambda: all(ant.agent.behavior == "Home" for ant in ants))
         host.play(MANY)
         assert acting() == MANY
+        team.until(lambda: host.shared.reach._heard)
         chief.send_signal(signal.SIGSTOP)
         team.until(lambda: faults() == {"chief is out of reach: silent since"})
         assert acting() == 0
@@ -75,6 +76,7 @@ def test_many_in_a_host_halt_while_the_process_of_their_commander_is_suspended(t
 
 
 def test_a_commander_in_the_same_process_is_always_in_reach(team):
+    team.gives_signs = False
     host = team.host("barracks")
     (ant,) = crowd(team, host, 1)
     team.commander("chief", SQUAD, ["ant_0"], host=host)
