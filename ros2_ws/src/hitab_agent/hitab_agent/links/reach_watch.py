@@ -56,7 +56,7 @@ class ReachWatch:
     def _hear(self, sign: msg.Alive) -> None:
         assert self._rosters is not None, "who listens has rosters"
         for name in self._watched:
-            if sign.process in self._rosters.hosts_of.get(name, (name,)):
+            if sign.process in (self._rosters.hosts_of.get(name) or (name,)):
                 self._note(name)
 
     def _note(self, name: str) -> None:
