@@ -29,6 +29,14 @@ def why_not() -> str:
     return ""
 
 
+def shifted_clock(folder: Path) -> Path:
+    """Return a library that shifts the wall clock of a process into which it is preloaded."""
+    library = folder / "shifted_clock.so"
+    source = Path(__file__).with_name("shifted_clock.c")
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+    return library
+
+
 def _unshare() -> list[str]:
     return ["unshare", "-n"] if os.geteuid() == 0 else ["unshare", "-Urn"]
 

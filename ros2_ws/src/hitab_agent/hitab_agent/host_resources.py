@@ -11,6 +11,7 @@ from hitab_agent.endpoints_on_demand import EndpointsOnDemand
 from hitab_agent.host.roster_topic import RosterTopic
 from hitab_agent.host.status_batches import StatusBatches
 from hitab_agent.links.order_exchange import Exchange
+from hitab_agent.links.reach_watch import ReachWatch
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.scheduler import JobQueue, Scheduler
@@ -41,6 +42,7 @@ class HostResources:
         statuses: publishes changed statuses a little later.
         exchange: passes orders down and reports up.
         signs: completes the process's signs of life, and passes on those of subordinates.
+        reach: watches who is in reach of agents that halt otherwise.
         distributions: sends and receives behaviors.
         diagnostics: publishes the agents' faults.
         on_demand: opens the agents' endpoints for those who ask; None if all are open.
@@ -89,6 +91,7 @@ class HostResources:
         )
         self.exchange = Exchange(node, self.scheduler, rosters)
         self.signs = ProcessSigns(node)
+        self.reach = ReachWatch(node, self, rosters)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
         self.on_demand = (

@@ -53,7 +53,7 @@ class ProcessSigns:
         self._pass_on(sign)
 
     def follow(self, process: str, call: Follow) -> None:
-        """Call a guarded function with each sign of life of a process."""
+        """Call a guarded function with each sign of life of a process; of all if it is empty."""
         if process != self._process and not self._followers.keys() - {self._process}:
             topic = names.in_swarm(self._node, names.ALIVE)
             self._node.create_subscription(Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
@@ -64,8 +64,8 @@ class ProcessSigns:
             self._pass_on(sign)
 
     def _pass_on(self, sign: Alive) -> None:
-        if followers := self._followers.get(sign.process):
-            self._later.do(_calls(list(followers), sign))
+        if followers := [f for name in (sign.process, "") for f in self._followers.get(name, ())]:
+            self._later.do(_calls(followers, sign))
 
 
 def _calls(followers: list[Follow], sign: Alive) -> Job:

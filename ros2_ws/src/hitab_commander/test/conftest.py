@@ -99,7 +99,8 @@ class Host:
         for link in self.shared.links.values():
             link.listen()
         self.shared.roster.publish()
-        give_signs_of_life(self.desk, "team", self.shared.signs.fill)
+        if self._team.gives_signs:
+            give_signs_of_life(self.desk, "team", self.shared.signs.fill)
 
     def play(self, agents: int) -> int:
         """Give the first of its nodes a percept each, and return the cycle."""
@@ -197,7 +198,13 @@ class Team:
         )
 
     def _join(
-        self, node_class: Any, name: str, *, host: Host | None = None, **settings: Any
+        self,
+        node_class: Any,
+        name: str,
+        *,
+        host: Host | None = None,
+        is_watched: bool = True,
+        **settings: Any,
     ) -> Any:
         settings = {
             "swarm": "team",
@@ -212,7 +219,7 @@ class Team:
             use_global_arguments=False,
             shared=host and host.shared,
         )
-        if name not in self._percepts:
+        if is_watched and name not in self._percepts:
             self._percepts[name] = None
             self._listen(
                 msg.AgentStatus, name, names.STATUS, lambda s: self.statuses.__setitem__(name, s)

@@ -72,6 +72,7 @@ from .texts.vocabulary import has as has
 from .texts.vocabulary import unknown as unknown
 from .texts.wording import RADIANS as RADIANS
 from .texts.wording import each_once as each_once
+from .texts.wording import in_groups as in_groups
 from .texts.wording import natural as natural
 from .texts.wording import numbered as numbered
 from .texts.wording import quantity as quantity

@@ -138,6 +138,23 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
     assert not both.is_waiting
 
 
+# -- out of reach -----------------------------------------------------------------------------
+
+
+def test_groups_that_halt_out_of_reach_are_named_and_who_is_out_of_reach_once_for_all():
+    lost = "squad is out of reach: silent since 14:03:05"
+    statuses = hears("ant_1", "ant_2", "lone", "squad")
+    for name in ("ant_1", "ant_2"):
+        statuses[name].order.commander = "squad"
+        statuses[name].when_out_of_reach, statuses[name].last_error = "halt", lost
+    said = shown(SwarmState(UP, statuses=statuses), "side", tab="swarm", agent="")
+    assert "halt when out of reach: squad (2 agents)" in said
+    assert f"ant_1, ant_2: {lost}" in said
+    statuses["ant_2"].when_out_of_reach = "go_on"
+    said = shown(SwarmState(UP, statuses=statuses), "side", tab="swarm", agent="")
+    assert "halt when out of reach: ant_1<" in said
+
+
 # -- the emergency stop -----------------------------------------------------------------------
 
 

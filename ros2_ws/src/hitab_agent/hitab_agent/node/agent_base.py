@@ -30,6 +30,7 @@ class AgentBase(GuardedNode):
         training: publishes what it is being trained, a `TrainingTopic`.
         endpoints: its other topics and its services, an `AgentEndpoints`.
         stop: the stop of the agent's robot; None if it has none.
+        unreached: who is out of reach, and since when, so that it halts; empty if nobody is.
         has_robot: whether it perceives and acts, in a world or by the link of its domain; a
             commander does not.
     """
@@ -44,6 +45,7 @@ class AgentBase(GuardedNode):
     training: Any
     endpoints: Any
     stop: RobotStop | None = None
+    unreached = ""
     has_robot = True
 
     def take_in(self, percept: msg.Percept, seconds: float) -> None:

@@ -12,7 +12,6 @@ from hitab_msgs import msg
 from hitab_agent import actions
 from hitab_agent.agent_endpoints import AgentEndpoints
 from hitab_agent.host_resources import HostResources
-from hitab_agent.links.reach_watch import ReachWatch
 from hitab_agent.links.robot_link import OwnStop, link_class
 from hitab_agent.links.superior_link import SuperiorLink
 from hitab_agent.links.world_link import WorldLink
@@ -108,7 +107,6 @@ class AgentNode(AgentBase):
         self.actions: actions.ActionClients | None = None
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
-        self._reach: ReachWatch | None = None
         self._start_error = ""
         self.memory = RestartMemory(states, self.agent_name, settings.swarm)
         if self.memory.damage:
@@ -164,7 +162,7 @@ class AgentNode(AgentBase):
             self.superior = self.status.superior = SuperiorLink(self, subordinate)
             self.stop_changed()
         if settings.when_out_of_reach == "halt":
-            self._reach = ReachWatch(self)
+            shared.reach.join(self)
         training, performed = self.agent.session, self.memory.performed
         if training is not None:
             self.status.began(
@@ -262,13 +260,12 @@ class AgentNode(AgentBase):
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
         action, agent, status = NO_ACTION, self.agent, self.status.message
-        unreached = "" if self._reach is None else self._reach.why
-        if self._sensed and not percept.look and not unreached:
+        if self._sensed and not percept.look and not self.unreached:
             action = self._tick.act()
         elif self._sensed and (percept.restart or agent.active_path != self.status.path):
             self.status.publish()
         if self.stop is not None:
-            self.stop.cause(self._tick.fault or unreached)
+            self.stop.cause(self._tick.fault or self.unreached)
             if self.stop.why:
                 action = NO_ACTION
         if self._sensed and not status.perceived:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Any
@@ -38,6 +39,7 @@ class AgentParameters:
     services_on_demand: bool = _is(False, "create the services only when a client appears")
     when_out_of_reach: str = _is("go_on", "go_on or halt while commander or operator is silent")
     out_of_reach_after: float = _is(5.0, "s of silence after which commander or operator are lost")
+    superiors: Sequence[str] = _is(("",), "commanders above its own without whom it halts, too")
     auto_rearm: bool = _is(False, "act again without re-arming after a stop: a risk")
     swarm: str = _is("", "identity of the agent's swarm; empty for none")
     offer_actions: bool = _is(False, "offer the action perform_until_done")

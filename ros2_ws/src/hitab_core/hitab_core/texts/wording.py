@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
 LISTED_MAX = 5
@@ -69,6 +70,33 @@ def each_once(texts: Iterable[tuple[str, str]]) -> list[str]:
     for name, text in texts:
         concerned.setdefault(text, []).append(name)
     return [f"{some(names)}: {text}" for text, names in concerned.items()]
+
+
+def in_groups(names: Iterable[str], superiors: Mapping[str, str]) -> list[str]:
+    """Return agents by the commander of each group that is complete, and single names.
+
+    Args:
+        names: some agents and commanders.
+        superiors: the commander of each agent and commander, by name; empty without one.
+
+    Examples:
+        >>> in_groups(["c", "a", "b"], {"a": "squad", "b": "squad", "c": "", "squad": ""})
+        ['c', 'squad (2 agents)']
+    """
+    chosen = {*names}
+    members: dict[str, set[str]] = {}
+    for name, superior in superiors.items():
+        members.setdefault(superior, set()).add(name)
+    complete = {name for name, group in members.items() if name and group <= chosen}
+
+    def top(name: str) -> str:
+        for _ in superiors:  # no more steps, since reports may be in a circle
+            name = superiors[name] if superiors.get(name, "") in complete else name
+        return name
+
+    agents = Counter(top(name) for name in chosen - members.keys())
+    tops = sorted({top(name) for name in chosen}, key=natural)
+    return [f"{n} ({quantity(agents[n], 'agent')})" if n in complete else n for n in tops]
 
 
 @lru_cache(maxsize=8192)

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from hitab_core import natural, some
+from hitab_core import each_once, in_groups, natural, some
 from hitab_studio.field.scene import state_shown
 from hitab_studio.pages.page import Page
 from hitab_studio.swarm.absence import NOT_HEARD, absence
@@ -21,6 +21,8 @@ def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
     studio = page.studio
     statuses = studio.known.statuses.values()
+    superiors = {status.agent: status.order.commander for status in statuses}
+    halting = [status.agent for status in statuses if status.when_out_of_reach == "halt"]
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
@@ -34,7 +36,8 @@ def context(page: Page) -> dict[str, Any]:
         "stoppable": _stoppable(page),
         "choices": choices(page),
         "absences": {w: some(sorted(who, key=natural)) for w, who in absent(studio.known).items()},
-        "errors": [(n, e) for n, s in studio.known.statuses.items() if (e := s.last_error)][:6],
+        "halting": some(in_groups(halting, superiors)),
+        "errors": each_once((s.agent, s.last_error) for s in statuses if s.last_error)[:6],
     }
 
 

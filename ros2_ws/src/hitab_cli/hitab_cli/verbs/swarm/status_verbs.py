@@ -13,7 +13,7 @@ from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, console
 from hitab_client.terminal.cli_options import JsonPath, SwarmName
 from hitab_client.terminal.cli_remedies import as_command, called
-from hitab_core import Fix, each_once, natural, quantity, some
+from hitab_core import Fix, each_once, in_groups, natural, quantity, some
 from hitab_ros.timing import SETTLE_S
 
 if TYPE_CHECKING:
@@ -112,6 +112,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
         {
             "agent": name,
             **({"machine": machines.machine_of(name)} if machines is not None else {}),
+            "commander": status.order.commander,
             "training": status.training.automaton,
             **plain(status, AGENT_FIELDS),
             **plain(status.training, TRAINING_FIELDS),
@@ -214,8 +215,10 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
     mute = {name: None for name in mute if name not in {one["machine"] for one in several}}
     ways |= dict.fromkeys(as_command(Fix.LOGS(node=process)) for process in mute)
     lines += [console.line(way) for way in [*ways][:WAYS_MAX]]
+    superiors = {a["agent"]: a["commander"] for a in data["agents"]}
     halt = [a["agent"] for a in data["agents"] if a["when_out_of_reach"] == "halt"]
-    lines += [console.line(f"halt when out of reach: {some(halt)}")] if halt else []
+    listed = some(in_groups(halt, superiors))
+    lines += [console.line(f"halt when out of reach: {listed}")] if halt else []
     notes = each_once((a["agent"], a["note"]) for a in data["agents"] if a["note"])
     lines += [console.line(text) for text in notes]
     lines += [console.line(kept) for agent in data["agents"] if (kept := _kept(agent))]
