@@ -49,6 +49,7 @@ def start(spinning: Spinner) -> None:
     entries = read_roster(host)
     namespace = host.get_namespace().rstrip("/")
     swarm = host.declare_parameter("swarm", "").value  # all agents get it
+    machine = host.declare_parameter("machine", "").value
     # The command line names the namespace around the host and its agents, so the host's topics
     # need a node of their own below it. The name of the first agent makes that node's namespace
     # unique in the swarm, and the same in each run.
@@ -59,7 +60,9 @@ def start(spinning: Spinner) -> None:
     )
     spinning.executor.add_node(desk)
     on_demand = not host.declare_parameter("all_endpoints", False, ALL_ENDPOINTS).value
-    shared = HostResources(desk, is_host=True, on_demand=on_demand, swarm=swarm)
+    shared = HostResources(
+        desk, is_host=True, on_demand=on_demand, swarm=swarm, machine=machine
+    )
     nodes = [entry.create(namespace, swarm, shared) for entry in entries]
     for node in nodes:
         spinning.executor.add_node(node)

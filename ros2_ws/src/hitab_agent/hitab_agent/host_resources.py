@@ -56,6 +56,7 @@ class HostResources:
         is_host: bool = False,
         on_demand: bool = False,
         swarm: str = "",
+        machine: str = "",
     ) -> None:
         """Create the resources.
 
@@ -64,6 +65,7 @@ class HostResources:
             is_host: whether the process is a host.
             on_demand: whether endpoints are opened for those who ask, instead of all at once.
             swarm: identity of the agents' swarm; empty if none.
+            machine: see `RosterTopic`.
         """
         self.name = names.own_name(node)
         self.nodes: list[AgentBase] = []
@@ -89,7 +91,7 @@ class HostResources:
         self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
         self._readers: dict[int, LibraryReader] = {}
         if rosters is not None:
-            self.roster = RosterTopic(node, self.nodes, swarm, rosters, self.scheduler)
+            self.roster = RosterTopic(node, self.nodes, swarm, rosters, self.scheduler, machine)
             self.batches = StatusBatches(node, self.nodes, self.scheduler)
             CommandsToMany(node, self.nodes)
             offer_loading(node, self.nodes)

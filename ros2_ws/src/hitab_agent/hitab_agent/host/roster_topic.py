@@ -22,6 +22,7 @@ class RosterTopic:
     Two hosts that start at once do not see each other's rosters before they publish their own.
 
     Attributes:
+        machine: name of the machine that the host runs on; empty in a swarm on one machine.
         number: number of the last published roster; 0 before the first.
     """
 
@@ -32,6 +33,7 @@ class RosterTopic:
         swarm: str,
         rosters: HostRosters,
         scheduler: Scheduler,
+        machine: str = "",
     ) -> None:
         """Create the publisher.
 
@@ -41,7 +43,9 @@ class RosterTopic:
             swarm: identity of the agents' swarm; empty if none.
             rosters: the rosters of all hosts.
             scheduler: the process's scheduler.
+            machine: name of the machine that it runs on; empty in a swarm on one machine.
         """
+        self.machine = machine
         self.number = 0
         self._wrong = 0  # number of a wrong roster in this host's name
         self._name = names.own_name(host)
@@ -60,7 +64,11 @@ class RosterTopic:
         self.number = max(time.time_ns(), self.number + 1, after + 1)
         self._publisher.publish(
             msg.HostRoster(
-                host=self._name, number=self.number, agents=self._agents, swarm=self._swarm
+                host=self._name,
+                number=self.number,
+                agents=self._agents,
+                machine=self.machine,
+                swarm=self._swarm,
             )
         )
 
