@@ -25,6 +25,7 @@ WHOLE, FIRST = b"\x40\x00", b"\x20\x00"
 """Flags and offset of packets that begin with a UDP header."""
 
 PREFIX = "10.77.0."
+BUFFER_BYTES = 4_194_304
 
 
 def ip(*arguments: str, inside: int | None = None) -> None:
@@ -43,6 +44,9 @@ def join(number: int, holder: int) -> socket.socket:
     ip("link", "set", "eth0", "up", inside=holder)
     ip("route", "add", "224.0.0.0/4", "dev", "eth0", inside=holder)
     end = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_ALL))
+    # Frames that come in a burst must not be lost beyond those that are to be lost.
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
     end.bind((cable, 0))
     end.setblocking(False)
     return end

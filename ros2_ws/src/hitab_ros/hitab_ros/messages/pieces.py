@@ -16,18 +16,18 @@ PIECE_BYTES = 1200
 """Maximum size of the contents of a piece; with its header, and those of DDS, UDP and IP, it fits
 into an Ethernet frame, also in a tunnel."""
 
-COPIES = 2
-
 KEPT = 1000
 """Number of latest pieces of which a second copy is recognized; more than a cycle has."""
 
 
 def publish_pieces(publisher: Any, pieces: Iterable[Any]) -> None:
-    """Publish all pieces, then all of them again: losses often hit several frames in a row."""
-    serialized = [serialize_message(piece) for piece in pieces]
-    for _ in range(COPIES):
-        for data in serialized:
-            publisher.publish(data)
+    """Publish each piece as it comes, then all again: losses often hit several frames in a row."""
+    sent = []
+    for piece in pieces:
+        sent.append(serialize_message(piece))
+        publisher.publish(sent[-1])
+    for data in sent:
+        publisher.publish(data)
 
 
 class PieceReader:
