@@ -50,7 +50,7 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 2810,
+    "hitab_agent": 2845,
     "hitab_bringup": 2400,
     "hitab_class": 200,
     "hitab_cli": 2950,
@@ -64,7 +64,7 @@ BUDGET = {
     "hitab_robots": 1350,
     "hitab_ros": 1750,
     "hitab_studio": 4550,
-    "hitab_world": 1800,
+    "hitab_world": 1850,
     "keepaway_world": 1350,
     "tests": 33000,
 }

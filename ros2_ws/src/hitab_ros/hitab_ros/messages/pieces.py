@@ -16,7 +16,7 @@ PIECE_BYTES = 1200
 """Maximum size of the contents of a piece; with its header, and those of DDS, UDP and IP, it fits
 into an Ethernet frame, also in a tunnel."""
 
-KEPT = 1000
+KEPT = 10_000
 """Number of latest pieces of which a second copy is recognized; more than a cycle has."""
 
 
@@ -35,13 +35,14 @@ class PieceReader:
 
     def __init__(self, kind: Any) -> None:
         self._kind = kind
-        self._seen: dict[bytes, None] = {}
+        self._seen: dict[int, None] = {}  # hashes, since the bytes would take megabytes
 
     def __call__(self, data: bytes) -> Any:
         """Return the message; None for a copy of one that was read."""
-        if data in self._seen:
+        known = hash(data)
+        if known in self._seen:
             return None
-        self._seen[data] = None
+        self._seen[known] = None
         if len(self._seen) > KEPT:
             del self._seen[next(iter(self._seen))]
         return deserialize_message(data, self._kind)
