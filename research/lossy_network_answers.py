@@ -1,7 +1,7 @@
 """Measures how many answers come late when a swarm's machines are joined by a network that loses.
 
 Three network namespaces are the machines, and the switch of the tests joins them: it delays each
-frame and loses some. Each machine runs a host with a third of the foragers; the first also runs the
+frame and loses some. Each machine runs a host with a third of the foragers, and the first also the
 world, in real time. An answer is late if it has not come when its cycle ends. It must be run where
 network namespaces can be made (as root, or with unprivileged user namespaces).
 
@@ -15,8 +15,10 @@ import os
 import sys
 import tempfile
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any
 
 import psutil  # type: ignore[import-untyped]
@@ -38,7 +40,8 @@ world:
   pace: realtime
   factor: {factor}
   seed: 1
-  parameters: {{foragers: {agents}, width: {side}, height: {side}, small_boxes: {boxes}, renew: true}}
+  parameters:
+    {{foragers: {agents}, width: {side}, height: {side}, small_boxes: {boxes}, renew: true}}
 agents:
   forager: {{count: {agents}}}
 """
@@ -100,15 +103,18 @@ def measure(
     loss: float,
     domain: int,
     *,
-    preferred: bool,
+    preferred: bool = False,
+    variables: Mapping[str, str] = MappingProxyType({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}),
+    multicast: bool = True,
 ) -> Lateness:
     """Play a swarm on three machines for a while."""
+    from lossy_network import LossyNetwork
+
     from hitab_bringup.libraries.run_libraries import prepare
     from hitab_bringup.processes.swarm_processes import HOST_MODULE, processes
     from hitab_bringup.swarm_files.swarm_file import parse_swarm
     from hitab_client.connecting.dds_profile import choose_profile
     from hitab_client.runs.shipped import shipped
-    from lossy_network import LossyNetwork
 
     with tempfile.TemporaryDirectory(prefix="hitab-lossy-") as place:
         folder = Path(place).resolve()
@@ -124,13 +130,20 @@ def measure(
         prepare(swarm, folder)
         environment = {
             "ROS_DOMAIN_ID": str(domain),
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
             "FASTRTPS_DEFAULT_PROFILES_FILE": "",
             "FASTDDS_DEFAULT_PROFILES_FILE": "",
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            **variables,
         }
         choose_profile(environment)
         seen = folder / "seen.json"
         with LossyNetwork(MACHINES, delay_s, loss) as network:
+            if not multicast:
+                network.drop_multicast()
+            if server := environment.get("ROS_DISCOVERY_SERVER"):
+                address, port = server.split(":")
+                line = ["fast-discovery-server", "-i", "0", "-l", address, "-p", port]
+                network.run(1, line, folder / "server.log", ROS_DOMAIN_ID=str(domain))
             hosts = 0
             for process in processes(swarm, folder, "lossy-1"):
                 machine = 1

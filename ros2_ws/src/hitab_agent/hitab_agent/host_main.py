@@ -60,9 +60,7 @@ def start(spinning: Spinner) -> None:
     )
     spinning.executor.add_node(desk)
     on_demand = not host.declare_parameter("all_endpoints", False, ALL_ENDPOINTS).value
-    shared = HostResources(
-        desk, is_host=True, on_demand=on_demand, swarm=swarm, machine=machine
-    )
+    shared = HostResources(desk, is_host=True, on_demand=on_demand, swarm=swarm, machine=machine)
     nodes = [entry.create(namespace, swarm, shared) for entry in entries]
     for node in nodes:
         spinning.executor.add_node(node)
