@@ -87,6 +87,11 @@ class LossyNetwork:
         self._tell(f"cut {host}")
         self._answer()
 
+    def drop_multicast(self) -> None:
+        """Let only unicast and broadcast pass, as many wireless networks do."""
+        self._tell("unicast")
+        self._answer()
+
     def heal(self) -> dict[str, int]:
         """Join all again; return how many frames have passed and been lost so far."""
         self._tell("heal")

@@ -3,7 +3,8 @@
 Run by `lossy_network` in a network namespace of its own. Each host is a namespace of its own with
 one veth to this one; frames are forwarded here, in Python, since not every kernel can delay and
 lose by itself. It tells the hosts' process ids in a line of JSON, then obeys lines on its input:
-``cut 2`` cuts host 2 off, ``heal`` joins all again, ``stop`` ends it.
+``cut 2`` cuts host 2 off, ``heal`` joins all again, ``unicast`` drops multicast from now on,
+``stop`` ends it.
 """
 
 from __future__ import annotations
@@ -24,7 +25,11 @@ IPV4, UDP = b"\x08\x00", 17
 WHOLE, FIRST = b"\x40\x00", b"\x20\x00"
 """Flags and offset of packets that begin with a UDP header."""
 
+MULTICAST = b"\x01\x00\x5e"
+"""First bytes of the Ethernet addresses to which IPv4 multicast is sent."""
+
 PREFIX = "10.77.0."
+BUFFER_BYTES = 4_194_304
 
 
 def ip(*arguments: str, inside: int | None = None) -> None:
@@ -43,6 +48,9 @@ def join(number: int, holder: int) -> socket.socket:
     ip("link", "set", "eth0", "up", inside=holder)
     ip("route", "add", "224.0.0.0/4", "dev", "eth0", inside=holder)
     end = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_ALL))
+    # Frames that come in a burst must not be lost beyond those that are to be lost.
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
     end.bind((cable, 0))
     end.setblocking(False)
     return end
@@ -62,6 +70,7 @@ class Switch:
     def __init__(self, ends: list[socket.socket], delay_s: float, loss: float) -> None:
         self.ends = ends
         self.cut: set[int] = set()
+        self.multicast = True
         self.passed = self.lost = 0
         self._delay_s = delay_s
         self._loss = loss
@@ -76,6 +85,8 @@ class Switch:
             except BlockingIOError:
                 return
             if address[2] == socket.PACKET_OUTGOING:
+                continue
+            if not self.multicast and frame.startswith(MULTICAST):
                 continue
             for target in range(len(self.ends)):
                 if target == source or source in self.cut or target in self.cut:
@@ -124,6 +135,8 @@ def main(hosts: int, delay_s: float, loss: float) -> None:
                 match sys.stdin.readline().split():
                     case ["cut", number]:
                         switch.cut.add(int(number) - 1)
+                    case ["unicast"]:
+                        switch.multicast = False
                     case ["heal"]:
                         switch.cut.clear()
                     case _:

@@ -1,6 +1,7 @@
 """A host goes on whatever is wrong with percepts and bodies, and forgets what is over."""
 
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten
 from hitab_ros import names, qos
+from hitab_ros.messages.pieces import publish_pieces
 
 SIZE = 10
 
@@ -61,11 +63,16 @@ class Swarm:
     """A host with agents, and the side of the world."""
 
     def __init__(
-        self, process: Any, start: Any, folder: Path, domain: Domain | None = None
+        self,
+        process: Any,
+        start: Any,
+        folder: Path,
+        domain: Domain | None = None,
+        machine: str = "",
     ) -> None:
         self._process = process
         self.desk = desk = process.node
-        shared = HostResources(desk, is_host=True, on_demand=True)
+        shared = HostResources(desk, is_host=True, on_demand=True, machine=machine)
         domain = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):
@@ -280,3 +287,50 @@ def test_a_host_whose_name_somebody_else_has_used_announces_itself_anew(swarm):
     swarm._percepts.publish(msg.PerceptBatch(roster=2**64 - 1))  # which no world would send
     assert swarm.act([1.0] * SIZE) == [[2.0]] * SIZE
     assert len(swarm.rosters) == 1
+
+
+def test_a_host_answers_each_piece_once_and_restarts_those_who_missed_the_restart(
+    process, start, tmp_path
+):
+    swarm = Swarm(process, start, tmp_path, machine="lab_1")
+    (roster,) = swarm.rosters
+    assert roster.machine == "lab_1"
+    pieces = swarm.desk.create_publisher(
+        msg.PerceptBatch, f"/{roster.host}/{names.PERCEPT_PIECES}", qos.PIECES
+    )
+    answers: list[msg.ActionBatch] = []
+    topic = f"/world/{names.ACTION_PIECES}"
+    swarm.desk.create_subscription(msg.ActionBatch, topic, answers.append, qos.PIECES)
+    process.until(lambda: pieces.get_subscription_count() == 1)
+
+    def send(sequence: int, agents: list[int], episode: int = 1) -> None:
+        size = len(agents)
+        piece = msg.PerceptBatch(roster=roster.number, sequence=sequence, episode=episode)
+        piece.agents, piece.value_counts, piece.values = agents, [1] * size, [1.0] * size
+        publish_pieces(pieces, [piece])
+
+    def perform(sequence: int, agents: list[int], episode: int = 1) -> list[float]:
+        def copies() -> list[msg.ActionBatch]:
+            return [a for a in answers if a.sequence == sequence and list(a.agents) == agents]
+
+        send(sequence, agents, episode)
+        process.until(lambda: len(copies()) == 2)
+        first, second = copies()
+        assert first == second
+        return list(first.values)
+
+    early = count(1)
+    process.until(lambda: send(next(early), []) or answers)
+    assert perform(90_011, [0, 1]) == [1.0, 1.0]
+    assert perform(90_011, [2]) == [1.0]
+    assert perform(90_012, [0, 1]) == [2.0, 2.0]
+    send(90_011, [3])  # overtaken: what it asks for is over
+    assert perform(90_012, [2, 3]) == [2.0, 1.0]
+    restarts: list[int] = []
+    for number, node in enumerate(swarm.nodes):
+        node.agent.restart = lambda seed, episode, number=number: restarts.append(number)
+    perform(90_013, [0], episode=2)
+    perform(90_014, [0, 1], episode=2)
+    perform(90_015, [1, 2], episode=2)
+    assert restarts == [0, 1, 2]
+    assert perform(4, [0]), "a world with lower numbers is another world"

@@ -5,8 +5,17 @@ import signal
 import subprocess
 import sys
 
+import pytest
+
 from hitab_client import RosLink, dds_profile, domain_ids
-from hitab_client.connecting.dds_profile import VARIABLES
+from hitab_client.connecting.dds_profile import (
+    LOOPBACK,
+    NETWORK,
+    RANGE,
+    VARIABLES,
+    choose_profile,
+    is_of_this_machine,
+)
 
 
 def test_no_profile_of_hitab_uses_shared_memory():
@@ -60,3 +69,24 @@ with RosLink(name="sleeper") as link:
             assert link.spin_until(lambda: not is_known(), 60.0)
             sleeper.send_signal(signal.SIGCONT)
             assert "this program was suspended for" in sleeper.communicate()[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("ROS_STATIC_PEERS", "10.0.0.2;10.0.0.3"),
+        ("HITAB_INTERFACE", "eth0"),
+        ("ROS_DISCOVERY_SERVER", ";10.0.0.2:11811"),
+    ],
+)
+@pytest.mark.parametrize("before", [{}, {RANGE: "LOCALHOST"}, {RANGE: "SYSTEM_DEFAULT"}])
+def test_who_names_other_machines_or_an_interface_reaches_the_network(name, value, before):
+    environment = {**before, **dict.fromkeys(VARIABLES, str(LOOPBACK)), name: value}
+    assert not is_of_this_machine(environment)
+    choose_profile(environment)
+    assert environment[RANGE] == "SUBNET"
+    assert {environment[variable] for variable in VARIABLES} == {str(NETWORK)}
+
+
+def test_a_discovery_server_on_this_machine_needs_no_network():
+    assert is_of_this_machine({"ROS_DISCOVERY_SERVER": "127.0.0.1:11811"})

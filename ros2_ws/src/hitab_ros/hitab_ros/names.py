@@ -43,11 +43,13 @@ GROUP = "group"
 
 # Of a host of many agents.
 PERCEPTS = "percepts"
+PERCEPT_PIECES = "percept_pieces"  # in real time, of a host on one of several machines
 ORDERS = "orders"  # of the commanders of another host; its reports are on REPORTS
 
 # Of a world; its status topic is also STATUS.
 ACTIONS = "actions"
 ACTION_BATCHES = "action_batches"
+ACTION_PIECES = "action_pieces"
 STATE = "state"
 EPISODES = "episodes"
 CONTROL = "control"

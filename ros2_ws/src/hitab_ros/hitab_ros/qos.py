@@ -38,6 +38,11 @@ STREAM = QoSProfile(
 )
 """Data for viewers, and heartbeats: a lost message does not delay later ones."""
 
+PIECES = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT
+)
+"""Percepts and actions of a cycle in pieces, for which a lost frame must not delay others."""
+
 PERCEIVED = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE
 )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import SimpleNamespace
+from typing import Any
 
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -16,12 +17,18 @@ from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.node.guarded_tick import NO_ACTION
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.messages.checks import too_far_ahead
+from hitab_ros.messages.pieces import PieceReader, publish_pieces
 from hitab_ros.messages.stamps import seconds_of
 
 LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was delayed answers only the latest percepts."""
 
 Failures = dict[AgentBase, Exception]
+Send = Callable[[msg.ActionBatch], object]
+
+SEQUENCES_OF_ONE_WORLD = 1000
+"""A world numbers its cycles in turn from the time at which it began, ns: percepts with a number
+that is lower by more are those of another world."""
 
 CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """Fields that all percepts of a cycle share."""
@@ -61,11 +68,17 @@ class HostLink:
         self._roster = roster
         # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
         self._percept = SimpleNamespace()
-        self._episode: tuple[int, int] | None = None
+        self._sequence = 0  # of the latest percepts
+        self._episodes: dict[int, tuple[int, int]] = {}  # of each agent's last percept
         self._failing: set[str] = set()  # the parts of a batch in which some agent failed last
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
         )
+        self._pieces: Any = None
+        if roster.machine:
+            self._pieces = host.create_publisher(
+                msg.ActionBatch, names.in_swarm(host, world, names.ACTION_PIECES), qos.PIECES
+            )
         self._answers = msg.ActionBatch(host=name)
 
     def listen(self) -> None:
@@ -76,8 +89,22 @@ class HostLink:
             self._on_percepts,
             LATEST_ONLY_QOS,
         )
+        if self._pieces is not None:
+            self._host.create_subscription(
+                msg.PerceptBatch,
+                names.in_swarm(self._host, self._name, names.PERCEPT_PIECES),
+                self._on_piece,
+                qos.PIECES,
+                read=PieceReader(msg.PerceptBatch),
+            )
 
-    def _on_percepts(self, batch: msg.PerceptBatch) -> None:
+    def _on_piece(self, batch: msg.PerceptBatch) -> None:
+        self._on_percepts(batch, lambda answer: publish_pieces(self._pieces, [answer]))
+
+    def _on_percepts(self, batch: msg.PerceptBatch, send: Send | None = None) -> None:
+        if 0 < self._sequence - batch.sequence < SEQUENCES_OF_ONE_WORLD:
+            return  # overtaken by a later cycle
+        self._sequence = batch.sequence
         if batch.roster != self._roster.number:
             # The percepts are meant for an earlier process of this name or, if the number is
             # higher, for a roster that another process has published in this host's name.
@@ -93,10 +120,6 @@ class HostLink:
         percept = self._percept
         for field in CYCLE_FIELDS:
             setattr(percept, field, getattr(batch, field))
-        # The world skips late answers, and a host skips percepts: a restart may be in one of them.
-        episode = (batch.seed, batch.episode)
-        percept.restart |= self._episode is not None and episode != self._episode
-        self._episode = episode
         perceiving: Iterable[AgentBase] = self._perceive(batch)
         commanders: set[str] = set()
         if batch.lockstep:
@@ -106,18 +129,25 @@ class HostLink:
         self._gate.begin(
             batch.sequence,
             commanders,
-            lambda: self._answer(batch, perceiving),
+            lambda: self._answer(batch, perceiving, send or self._actions.publish),
             look=batch.look,
         )
 
     def _perceive(self, batch: msg.PerceptBatch) -> Iterator[AgentBase]:
         """Make all agents of a batch take in their percepts; yield each after its own."""
         percept, seconds = self._percept, seconds_of(batch.stamp)
+        episode, episodes = (batch.seed, batch.episode), self._episodes
         acting = [self._nodes[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, all_heard, end, heard_end = batch.values, batch.heard, 0, 0
         failures: Failures = {}
-        for node, count, n_heard in zip(acting, batch.value_counts, heard_counts, strict=True):
+        for index, node, count, n_heard in zip(
+            batch.agents, acting, batch.value_counts, heard_counts, strict=True
+        ):
+            # The world skips late answers, and percepts are skipped or lost: a restart may be in
+            # one of them.
+            percept.restart = batch.restart or episodes.get(index, episode) != episode
+            episodes[index] = episode
             begin, end = end, end + count
             heard, heard_end = heard_end, heard_end + n_heard
             percept.values = values[begin:end]
@@ -129,7 +159,9 @@ class HostLink:
             yield node
         self._report("perceiving", acting, failures)
 
-    def _answer(self, batch: msg.PerceptBatch, perceiving: Iterable[AgentBase]) -> None:
+    def _answer(
+        self, batch: msg.PerceptBatch, perceiving: Iterable[AgentBase], send: Send
+    ) -> None:
         """Make each agent act once it has perceived, and send the answer."""
         answers, percept, acting = self._answers, self._percept, []
         failures: Failures = {}
@@ -155,7 +187,7 @@ class HostLink:
         answers.values = done
         answers.speakers = speakers
         answers.said = said
-        self._actions.publish(answers)
+        send(answers)
 
     def _report(self, key: str, acting: Sequence[AgentBase], failures: Failures) -> None:
         """Show the fault of each failing agent until it succeeds, as its guard would.

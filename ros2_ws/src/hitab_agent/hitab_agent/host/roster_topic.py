@@ -27,6 +27,7 @@ class RosterTopic:
     A host publishes its roster again when another one was published in its name.
 
     Attributes:
+        machine: name of the machine that the host runs on; empty in a swarm on one machine.
         number: number of the last published roster; 0 before the first.
     """
 
@@ -51,6 +52,7 @@ class RosterTopic:
             lease: the host's lease.
             give_up: called with the reason if the host yields; ends the process at once.
         """
+        self.machine = lease.machine
         self.number = 0
         self._lease = lease
         self._give_up = give_up

@@ -8,8 +8,17 @@ from pathlib import Path
 
 from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
 from hitab_client import domain_ids
-from hitab_client.connecting.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
-from hitab_client.connecting.ros_environment import SERVER, is_from_wheels
+from hitab_client.connecting.dds_profile import (
+    INTERFACE,
+    LOOPBACK,
+    NETWORK,
+    PEERS,
+    RANGE,
+    SERVER,
+    VARIABLES,
+    choose_profile,
+)
+from hitab_client.connecting.ros_environment import is_from_wheels
 from hitab_core import way_to_install
 
 DISTRO = "jazzy"
@@ -40,7 +49,6 @@ def middleware() -> Iterator[Finding]:
     rmw = os.environ.get("RMW_IMPLEMENTATION") or FAST_DDS
     text = f"{rmw}; HiTAB's DDS profiles are for Fast DDS, {FAST_DDS}"
     yield judged("DDS", text, rmw == FAST_DDS, "unset RMW_IMPLEMENTATION")
-    said = os.environ.get(RANGE, "")
     environment = dict(os.environ)
     choose_profile(environment)
     profiles = {environment[name] for name in VARIABLES if environment.get(name)}
@@ -58,7 +66,12 @@ def middleware() -> Iterator[Finding]:
     elif environment[RANGE] == "OFF":
         text, level, way_out = f"{RANGE} is OFF: no node finds another", ERROR, f"unset {RANGE}"
     else:
-        text = f"of other computers in the network, too ({RANGE}={said})"
+        chosen = {RANGE: environment[RANGE]} | {
+            name: environment[name] for name in (PEERS, INTERFACE) if environment.get(name)
+        }
+        text = "of other computers in the network, too ({})".format(
+            ", ".join(f"{name}={value}" for name, value in chosen.items())
+        )
     yield Finding("discovery", text, level, way_out)
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
         text = "ROS_LOCALHOST_ONLY=1 replaces HiTAB's DDS profile with one that finds 32 processes"

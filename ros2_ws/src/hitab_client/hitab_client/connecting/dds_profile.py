@@ -7,6 +7,7 @@ Other ROS programs that use `LOCALHOST` in the same domain are discovered, and d
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,14 @@ GIVES_BACK = {"RMW_FASTRTPS_USE_QOS_FROM_XML": "1", "MALLOC_MMAP_THRESHOLD_": "1
 large freed blocks."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-HERE, BY_PROFILE = "LOCALHOST", "SYSTEM_DEFAULT"
+HERE, BY_PROFILE, NETWORK_RANGE = "LOCALHOST", "SYSTEM_DEFAULT", "SUBNET"
+
+PEERS, INTERFACE, SERVER = "ROS_STATIC_PEERS", "HITAB_INTERFACE", "ROS_DISCOVERY_SERVER"
+"""The variables that name other machines, or the interface to them. The network profile reads the
+second."""
+
+SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
+"""Pattern of the addresses and ports of discovery servers."""
 
 LOOPBACK = Path(__file__).with_name("dds_loopback.xml")
 """Profile for processes on this machine only."""
@@ -57,7 +65,9 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
         profile, environment[RANGE] = loopback, BY_PROFILE
     else:
         # Without our profile SYSTEM_DEFAULT would mean the whole network.
-        profile, environment[RANGE] = NETWORK, HERE if stays else said
+        reaches = NETWORK_RANGE if said in (HERE, BY_PROFILE) else said
+        profile, environment[RANGE] = NETWORK, HERE if stays else reaches
+        environment.setdefault(INTERFACE, "")  # Fast DDS prints an error if there is none
     for name in VARIABLES:
         environment[name] = str(profile)
     environment.update(GIVES_BACK)
@@ -66,12 +76,19 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
 def is_of_this_machine(environment: Mapping[str, str]) -> bool:
     """Whether discovery is limited to this machine by the variables and HiTAB's profiles.
 
-    False if the user has a profile, which then decides.
+    False if the user names other machines, or has a profile, which then decides.
     """
     chosen, said = _chosen(environment), environment.get(RANGE) or HERE
-    if chosen - {LOOPBACK.name, NETWORK.name}:
+    if chosen - {LOOPBACK.name, NETWORK.name} or _names_others(environment):
         return False
     return said == HERE or (said == BY_PROFILE and LOOPBACK.name in chosen)
+
+
+def _names_others(environment: Mapping[str, str]) -> bool:
+    """Whether a variable names other machines, or an interface to them."""
+    servers = [host for host, _ in SERVERS.findall(environment.get(SERVER, ""))]
+    away = any(host != "localhost" and not host.startswith("127.") for host in servers)
+    return away or bool(environment.get(PEERS) or environment.get(INTERFACE))
 
 
 def _chosen(environment: Mapping[str, str]) -> set[str]:

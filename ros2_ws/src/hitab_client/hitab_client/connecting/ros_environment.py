@@ -15,16 +15,22 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
-from hitab_client.connecting.dds_profile import RANGE, is_of_this_machine
+from hitab_client.connecting.dds_profile import (
+    INTERFACE,
+    RANGE,
+    SERVER,
+    SERVERS,
+    is_of_this_machine,
+)
 from hitab_client.errors import SwarmError
+from hitab_core import has
 from hitab_ros.timing import POLL_S
 
 DOMAINS = 233
 """Number of ROS domains; ports for more would be above 65535."""
 
-SERVER = "ROS_DISCOVERY_SERVER"
-SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
 SERVER_PORT, DISCARD = 11811, 9
+ADDRESS = re.compile(r"\d+\.\d+\.\d+\.\d+")
 
 RANGES = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT", "OFF")
 
@@ -55,24 +61,24 @@ def problems() -> Iterator[Problem]:
     if here and (wrong := _no_answer("127.0.0.1", DISCARD)) == os.strerror(errno.ENETUNREACH):
         fault = f"this machine cannot reach itself at 127.0.0.1: {wrong}"
         yield "network", fault, "start its loopback interface with `sudo ip link set lo up`"
-    yield from _without_server(os.environ.get(SERVER, ""), here)
+    yield from _without_server(os.environ.get(SERVER, ""))
+    interfaces = [name for _, name in socket.if_nameindex()]
+    said = os.environ.get(INTERFACE, "")
+    if said and said not in interfaces and not ADDRESS.fullmatch(said):
+        fault = f"{INTERFACE}={said}: this computer has no such interface {has(interfaces, said)}"
+        yield "network", fault, f"choose another, or unset {INTERFACE}"
     if os.environ.get("ROS_SECURITY_ENABLE") == "true" and is_from_wheels():
         fault = "ROS_SECURITY_ENABLE=true, but ROS from wheels has no DDS security"
         way_out = "unset ROS_SECURITY_ENABLE, or use HiTAB with an installed ROS 2 Jazzy"
         yield "security", fault, way_out
 
 
-def _without_server(said: str, here: bool) -> Iterator[Problem]:
+def _without_server(said: str) -> Iterator[Problem]:
     """Yield the reasons why nodes would not find each other by the named discovery servers."""
     servers = [(host, int(port or SERVER_PORT)) for host, port in SERVERS.findall(said)]
-    away = [host != "localhost" and not host.startswith("127.") for host, _ in servers]
-    way_out = f"unset {SERVER} ROS_SUPER_CLIENT"
-    if here and servers and all(away):
-        fault = f"{SERVER}={said} is on another machine, but HiTAB stays on this one"
-        yield "discovery", fault, f"{way_out}, or set {RANGE}=SUBNET"
-    elif servers and all(why := [_no_answer(*server) for server in servers]):
+    if servers and all(why := [_no_answer(*server) for server in servers]):
         fault = f"{SERVER}={said}: there is no server ({', '.join(dict.fromkeys(why))})"
-        yield "discovery", fault, f"start the server, or {way_out}"
+        yield "discovery", fault, f"start the server, or unset {SERVER} ROS_SUPER_CLIENT"
 
 
 def _no_answer(host: str, port: int) -> str:

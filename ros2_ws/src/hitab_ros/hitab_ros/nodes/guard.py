@@ -131,8 +131,8 @@ class Guard:
             kind: type of the messages; None if the callback takes their bytes.
             callback: takes a message, or a message and information about it.
             checked: whether to check messages; otherwise the callback must do so.
-            read: returns a message, or an object with its fields, from its bytes; None for rclpy's
-                own conversion.
+            read: returns a message, or an object with its fields, from its bytes, or None to skip
+                it; None for rclpy's own conversion.
         """
         guarded = self.wrap(key, callback)
         read = read or functools.partial(deserialize_message, message_type=kind)
@@ -149,6 +149,8 @@ class Guard:
                             "send less at once"
                         )
                     message = read(message)
+                if message is None:
+                    return None
                 if checked:
                     check(message, kind)
             except (BadMessage, RuntimeError) as error:  # rclpy's own error is a RuntimeError

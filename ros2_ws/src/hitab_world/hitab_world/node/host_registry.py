@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +12,8 @@ from rclpy.qos import QoSProfile
 from hitab_core import some
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.leases import rank
+from hitab_ros.messages.pieces import PIECE_BYTES, PieceReader, publish_pieces
+from hitab_world.node.percept_batches import Sensed, percept_batches
 from hitab_world.simulating.lockstep import Answer
 
 
@@ -50,7 +51,7 @@ class SwarmSettings:
 
 ANY_SWARM = SwarmSettings()
 
-PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
+PerceptOf = Callable[[str], Sensed | None]
 """A function that returns an agent's percept; None to send nothing."""
 
 HOSTS_MAX = 1000  # how many announcements are kept until this process reads them
@@ -73,6 +74,12 @@ class _Host:
         self.indices: list[int] = []
         topic = names.in_swarm(node, roster.host, names.PERCEPTS)
         self.publisher = node.create_publisher(msg.PerceptBatch, topic, qos.CYCLE, temporary=True)
+        self.pieces: Any = None
+        if roster.machine:
+            topic = names.in_swarm(node, roster.host, names.PERCEPT_PIECES)
+            self.pieces = node.create_publisher(
+                msg.PerceptBatch, topic, qos.PIECES, temporary=True
+            )
 
     @property
     def listens(self) -> bool:
@@ -80,22 +87,14 @@ class _Host:
         return bool(self.publisher.get_subscription_count())
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
-        """Send the percepts of the host's agents."""
-        batch = msg.PerceptBatch(roster=self.roster.number, **common)
-        agents, values, value_counts = array("I"), array("d"), array("I")
-        heard_counts, heard = array("I"), list[str]()
-        for index in self.indices:
-            if (sensed := percept_of(self.roster.agents[index])) is not None:
-                seen, said = sensed
-                agents.append(index)
-                values.extend(seen)
-                value_counts.append(len(seen))
-                heard_counts.append(len(said))
-                heard += said
-        batch.agents, batch.values, batch.value_counts = agents, values, value_counts
-        if heard:
-            batch.heard, batch.heard_counts = heard, heard_counts
-        self.publisher.publish(batch)
+        """Send the percepts of the host's agents: in real time to another machine, in pieces."""
+        sensed = ((index, percept_of(self.roster.agents[index])) for index in self.indices)
+        if self.pieces is None or common["lockstep"] or common["look"]:
+            for batch in percept_batches(self.roster.number, common, sensed):
+                self.publisher.publish(batch)
+        else:
+            pieces = percept_batches(self.roster.number, common, sensed, PIECE_BYTES)
+            publish_pieces(self.pieces, pieces)
 
 
 class HostRegistry:
@@ -128,6 +127,7 @@ class HostRegistry:
         self._hosts: dict[str, _Host] = {}
         self._holders: dict[str, _Host] = {}
         self._alone: Collection[str] = ()
+        self._hears_pieces = False
         self._listening: set[tuple[str, int]] = set()  # names and numbers of hosts
         rosters = names.in_swarm(node, names.HOSTS)
         node.create_subscription(msg.HostRoster, rosters, self._on_roster, ROSTERS_QOS)
@@ -148,6 +148,17 @@ class HostRegistry:
             if rank(before.roster) <= rank(roster):
                 return
             self._node.destroy_publisher(before.publisher)
+            if before.pieces is not None:
+                self._node.destroy_publisher(before.pieces)
+        if roster.machine and not self._hears_pieces:
+            self._hears_pieces = True
+            self._node.create_subscription(
+                msg.ActionBatch,
+                names.ACTION_PIECES,
+                self._on_actions,
+                qos.PIECES,
+                read=PieceReader(msg.ActionBatch),
+            )
         answered = before is not None and before.answered
         self._hosts[roster.host] = _Host(self._node, roster, answered=answered)
         self._share_out()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from typing import Annotated
 
 import typer
 
@@ -13,19 +14,27 @@ from hitab_client.connecting.ros_environment import problems
 from hitab_client.terminal.cli_options import JsonPath
 from hitab_core import HitabError, quantity, some
 
+Network = Annotated[
+    float | None,
+    typer.Option(
+        metavar="SECONDS", min=1.0, help="Also listen so long to other computers that do the same."
+    ),
+]
+
 STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}
 
 
-def doctor(json: JsonPath = None) -> None:
+def doctor(json: JsonPath = None, network: Network = None) -> None:
     """Check this computer, ROS, DDS, and running swarms; name each problem and its remedy.
 
     The exit status is 1 if there is an error.
 
     Example:
       hitab doctor
+      hitab doctor --network 10    # on each computer, at the same time
     """
     found = []
-    for finding in _findings():
+    for finding in _findings(network):
         found.append(finding)
         if json != "-":
             line = f"{finding.level:7} {finding.about:14} {finding.text}"
@@ -39,7 +48,7 @@ def doctor(json: JsonPath = None) -> None:
         raise typer.Exit(1)
 
 
-def _findings() -> Iterator[Finding]:
+def _findings(network: float | None) -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
 
     yield from machine.python()
@@ -58,6 +67,10 @@ def _findings() -> Iterator[Finding]:
             yield from _machines()
         except HitabError as refused:
             yield Finding("ROS", str(refused), ERROR, "check the variables that begin with ROS_")
+    if network is not None and all(finding.level != "error" for finding in starts):
+        from hitab_cli.verbs.swarm.network_check import network as check_network
+
+        yield from check_network(network)
     yield from machine.home()
     yield from machine.memory()
     yield from machine.limits()
