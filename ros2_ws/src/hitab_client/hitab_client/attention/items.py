@@ -1,0 +1,165 @@
+"""Items that deserve a look, the most important first."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+from hitab_core import Remedy, natural, quantity
+
+
+class Kind(Enum):
+    """Kinds of findings, the most urgent first."""
+
+    SILENT = "silent"  # a machine, a host or an agent that does not answer
+    FAULT = "fault"  # an agent with faults, such as one that cannot act
+    DISOBEYS = "disobeys"  # a member that does not perform its commander's order
+    STUCK = "stuck"  # an agent that gets nowhere although its mates do
+    UNARMED = "unarmed"  # a robot that may act again once a person arms it
+    UNSURE = "unsure"  # decisions that are far from all examples
+    LIBRARY = "library"  # behaviors that differ from those of the mates
+
+
+URGENCY: Mapping[Kind, int] = {kind: -order for order, kind in enumerate(Kind)}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about one agent that deserves a look.
+
+    Attributes:
+        name: name of the agent, host or machine.
+        what: what is the case, after "is" or a verb, in words that alike cases share.
+        why: what shows it, of this agent.
+        remedies: ways out.
+    """
+
+    kind: Kind
+    name: str
+    what: str
+    why: str = ""
+    remedies: tuple[Remedy, ...] = ()
+
+
+@dataclass(frozen=True)
+class Item:
+    """Alike findings of one group.
+
+    Attributes:
+        names: the agents, hosts or machines concerned, in natural order.
+        group: the commander, host or machine that they belong to; empty if none.
+        why: what shows it, of the first of them.
+        since: time at which the first of them was found, on the monotonic clock, s.
+        remedies: ways out, of all of them.
+    """
+
+    kind: Kind
+    names: tuple[str, ...]
+    group: str
+    what: str
+    why: str = ""
+    since: float = 0.0
+    remedies: tuple[Remedy, ...] = field(default=(), compare=False)
+
+    @property
+    def rank(self) -> float:
+        """Importance: ten times as many robots are worth one step of urgency."""
+        return URGENCY[self.kind] + math.log10(len(self.names))
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """Identity of the item while the agents that it concerns come and go."""
+        return self.kind.value, self.group, self.what
+
+    def __str__(self) -> str:
+        """Return the item in words, such as ``17 ants of squad_3: stuck in Search``."""
+        nouns = {re.sub(r"_?[0-9]+$", "", name) for name in self.names}
+        many = quantity(len(self.names), nouns.pop() if len(nouns) == 1 else "agent")
+        who = self.names[0] if len(self.names) == 1 else many
+        return f"{who}{f' of {self.group}' if self.group else ''}: {self.what}"
+
+    def data(self, as_text: Callable[[Remedy], str], now: float) -> dict[str, Any]:
+        """Return the item as plain data.
+
+        Args:
+            as_text: words a remedy.
+            now: present time on the clock of `since`, s.
+        """
+        return {
+            "kind": self.kind.value,
+            "agents": list(self.names),
+            "group": self.group,
+            "what": self.what,
+            "why": self.why,
+            "for_s": round(max(0.0, now - self.since), 1),
+            "remedies": [as_text(remedy) for remedy in self.remedies],
+        }
+
+
+def ranked(
+    findings: Iterable[Finding],
+    superiors: Mapping[str, str],
+    since: Callable[[Finding], float] = lambda finding: 0.0,
+) -> list[Item]:
+    """Return items for findings, the most important first.
+
+    Findings are alike if they say the same of members of one group. If that is the case in most of
+    the groups of a superior, they are one item of the superior.
+
+    Args:
+        findings: the findings.
+        superiors: superior of each agent and commander, by name.
+        since: returns when a finding was first made, s.
+    """
+    alike: dict[tuple[Kind, str], dict[str, list[Finding]]] = {}
+    for finding in findings:
+        groups = alike.setdefault((finding.kind, finding.what), {})
+        groups.setdefault(superiors.get(finding.name, ""), []).append(finding)
+    below: dict[str, int] = {}
+    for superior in {name: superiors.get(name, "") for name in {*superiors.values()}}.values():
+        below[superior] = below.get(superior, 0) + 1
+    items = [
+        _item(kind, what, group, found, since)
+        for (kind, what), groups in alike.items()
+        for group, found in _merged(groups, superiors, below).items()
+    ]
+    return sorted(items, key=lambda item: (-item.rank, natural(item.names[0])))
+
+
+def _merged(
+    groups: dict[str, list[Finding]], superiors: Mapping[str, str], below: Mapping[str, int]
+) -> dict[str, list[Finding]]:
+    """Return findings by group, with those of most groups of a superior under the superior."""
+    while True:
+        concerned: dict[str, list[str]] = {}
+        for group in groups:
+            if superior := superiors.get(group, ""):
+                concerned.setdefault(superior, []).append(group)
+        merging = {
+            superior: some
+            for superior, some in concerned.items()
+            if len(some) > max(1, below[superior] // 2)
+        }
+        if not merging:
+            return groups
+        for superior, some in merging.items():
+            together = [finding for group in some for finding in groups.pop(group)]
+            groups.setdefault(superior, []).extend(together)
+
+
+def _item(
+    kind: Kind,
+    what: str,
+    group: str,
+    found: list[Finding],
+    since: Callable[[Finding], float],
+) -> Item:
+    found = sorted(found, key=lambda finding: natural(finding.name))
+    first = found[0]
+    names = tuple(finding.name for finding in found)
+    remedies = tuple(dict.fromkeys(way for finding in found for way in finding.remedies))
+    return Item(kind, names, group, what, first.why, min(map(since, found)), remedies)
