@@ -3,5 +3,7 @@ from .attention import Seen as Seen
 from .items import Finding as Finding
 from .items import Item as Item
 from .items import Kind as Kind
+from .items import others_alike as others_alike
 from .items import ranked as ranked
 from .listener import AttentionListener as AttentionListener
+from .listener import Machines as Machines

@@ -83,7 +83,7 @@ class Attention:
         groups = {name: group for name, group in seen.groups.items() if name not in away}
         if not 0.0 <= self._next_sample - seen.seconds <= REPEAT_S:
             self._next_sample = seen.seconds + REPEAT_S
-            self._stillness.take(seen.seconds, findings.doings(statuses), seen.places)
+            self._stillness.take(seen.seconds, findings.doings(statuses, seen.groups), seen.places)
         still = {n: how for n, how in self._stillness.stuck().items() if n in statuses}
         yield from findings.absent(seen.silent, seen.missing, self._process_of)
         yield from findings.machines(seen.machines, seen.silent_machines)

@@ -9,7 +9,7 @@ from hitab_msgs.msg import AgentStatus, CommanderStatus, MachineStatus
 
 from hitab_client.attention.items import Finding, Kind
 from hitab_client.attention.stillness import Doing, Stuck
-from hitab_core import Fix, Remedy, quantity
+from hitab_core import Fix, Remedy, natural, quantity, some
 from hitab_ros import fault_texts
 from hitab_ros.messages.conversions import remedies_of
 
@@ -23,12 +23,15 @@ LEFT_TO_PERSON = (AgentStatus.TRAINING, AgentStatus.TESTING)
 """Modes in which a person cares for the agent already."""
 
 
-def doings(statuses: Statuses) -> dict[str, Doing]:
-    """Return what each agent does that performs a behavior and may act."""
+def doings(statuses: Statuses, groups: Groups) -> dict[str, Doing]:
+    """Return what each agent does that performs a behavior and may act, without commanders.
+
+    A commander waits for what its members report, and has no position.
+    """
     return {
         name: Doing(status.domain, status.behavior, tuple(status.active_path))
         for name, status in statuses.items()
-        if status.mode == AgentStatus.PERFORMING and status.armed
+        if status.mode == AgentStatus.PERFORMING and status.armed and name not in groups
     }
 
 
@@ -56,18 +59,20 @@ def absent(
     for process, names in affected.items():
         seconds = min((silent[name] for name in names if name in silent), default=None)
         what = "does not answer the world" if seconds is None else "gives no signs of life"
-        if names != {process}:
-            what += f", with {quantity(len(names), 'agent')}"
         why = "the world goes on without it" if seconds is None else f"for {seconds:.0f} s"
-        yield Finding(Kind.SILENT, process, what, why, (Fix.LOGS(node=process),))
+        if names != {process}:
+            why += f"; it runs {some(sorted(names, key=natural))}"
+        ways = (Fix.LOGS(node=process),)
+        yield Finding(Kind.SILENT, process, what, why, ways, len(names))
 
 
 def machines(known: Mapping[str, MachineStatus], silent: Mapping[str, float]) -> Iterator[Finding]:
     """Yield the machines that are silent, have faults or are hardly heard by others."""
     for name, seconds in silent.items():
         agents = sum(len(process.agents) for process in known[name].processes)
-        what = f"this machine gives no signs of life, with {quantity(agents, 'agent')}"
-        yield Finding(Kind.SILENT, name, what, f"for {seconds:.0f} s", (Fix.STATUS(),))
+        what = "this machine gives no signs of life"
+        why = f"for {seconds:.0f} s; it ran {quantity(agents, 'agent')}"
+        yield Finding(Kind.SILENT, name, what, why, (Fix.STATUS(),), max(1, agents))
     for name, status in known.items():
         if name not in silent:
             for fault in status.faults:
@@ -110,7 +115,8 @@ def stuck(statuses: Statuses, still: Mapping[str, Stuck]) -> Iterator[Finding]:
         doing = " > ".join((status.behavior, *status.active_path[:-1]))
         why = f"no change for {seconds:.0f} s; its mates go on after {usual:.0f} s"
         ways = (Fix.TRAIN_FURTHER(agent=name, behavior=status.behavior), Fix.PERFORM(agent=name))
-        yield Finding(Kind.STUCK, name, f"stuck in {doing}", why, ways)
+        what = f"stuck in {doing}"
+        yield Finding(Kind.STUCK, name, what, why, ways, teaches=status.behavior)
 
 
 def unarmed(statuses: Statuses) -> Iterator[Finding]:
@@ -135,7 +141,7 @@ def unsure(statuses: Statuses) -> Iterator[Finding]:
             Fix.TRAIN_FURTHER(agent=name, behavior=status.behavior),
             Fix.CAUTION(agent=name, when_unsure="halt"),
         )
-        yield Finding(Kind.UNSURE, name, what, why, ways)
+        yield Finding(Kind.UNSURE, name, what, why, ways, teaches=status.behavior)
 
 
 def differing(statuses: Statuses, groups: Groups) -> Iterator[Finding]:
@@ -157,8 +163,11 @@ def differing(statuses: Statuses, groups: Groups) -> Iterator[Finding]:
                 name = status.agent
                 behavior = status.order.behavior or status.behavior or source.behavior
                 give = Fix.GIVE(agent=source.agent, behavior=behavior, receiver=name)
-                why = f"its library is {status.library_digest[:8]}, not {usual[:8]}"
-                what = f"has other behaviors than {count} of {len(mates)} agents"
+                why = (
+                    f"its library is {status.library_digest[:8]}; {count} of {len(mates)} agents "
+                    f"have {usual[:8]}"
+                )
+                what = "has other behaviors than most"
                 yield Finding(Kind.LIBRARY, name, what, why, (give,))
 
 

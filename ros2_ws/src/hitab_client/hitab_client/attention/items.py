@@ -7,9 +7,10 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import partial
 from typing import Any
 
-from hitab_core import Remedy, natural, quantity
+from hitab_core import Fix, Remedy, natural, quantity
 
 
 class Kind(Enum):
@@ -36,6 +37,9 @@ class Finding:
         what: what is the case, after "is" or a verb, in words that alike cases share.
         why: what shows it, of this agent.
         remedies: ways out.
+        agents: number of agents concerned.
+        teaches: the behavior that one of several alike agents may be taught for all; empty if
+            there is none.
     """
 
     kind: Kind
@@ -43,6 +47,8 @@ class Finding:
     what: str
     why: str = ""
     remedies: tuple[Remedy, ...] = ()
+    agents: int = 1
+    teaches: str = ""
 
 
 @dataclass(frozen=True)
@@ -55,20 +61,24 @@ class Item:
         why: what shows it, of the first of them.
         since: time at which the first of them was found, on the monotonic clock, s.
         remedies: ways out, of all of them.
+        agents: number of agents concerned.
+        teaches: as in `Finding`.
     """
 
     kind: Kind
     names: tuple[str, ...]
     group: str
     what: str
-    why: str = ""
-    since: float = 0.0
+    why: str = field(default="", compare=False)
+    since: float = field(default=0.0, compare=False)
     remedies: tuple[Remedy, ...] = field(default=(), compare=False)
+    agents: int = 1
+    teaches: str = ""
 
     @property
     def rank(self) -> float:
         """Importance: ten times as many robots are worth one step of urgency."""
-        return URGENCY[self.kind] + math.log10(len(self.names))
+        return URGENCY[self.kind] + math.log10(self.agents)
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -161,5 +171,31 @@ def _item(
     found = sorted(found, key=lambda finding: natural(finding.name))
     first = found[0]
     names = tuple(finding.name for finding in found)
-    remedies = tuple(dict.fromkeys(way for finding in found for way in finding.remedies))
-    return Item(kind, names, group, what, first.why, min(map(since, found)), remedies)
+    remedies = dict.fromkeys(way for finding in found for way in finding.remedies)
+    if first.teaches:
+        give = partial(Fix.GIVE, agent=first.name, behavior=first.teaches)
+        remedies |= dict.fromkeys(give(receiver=name) for name in names[1:])
+    return Item(
+        kind,
+        names,
+        group,
+        what,
+        first.why,
+        min(map(since, found)),
+        tuple(remedies),
+        sum(finding.agents for finding in found),
+        first.teaches,
+    )
+
+
+def others_alike(items: Iterable[Item], item: Item, agent: str) -> list[str]:
+    """Return the other agents in the same situation as those of an item, in natural order.
+
+    Args:
+        items: the present items.
+        item: an item, which may be over for the agent.
+        agent: the agent that was corrected.
+    """
+    alike = {(item.kind, item.what, item.teaches)}
+    names = {n for one in items if (one.kind, one.what, one.teaches) in alike for n in one.names}
+    return sorted(names - {agent}, key=natural)

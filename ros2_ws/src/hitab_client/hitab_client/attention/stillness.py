@@ -134,11 +134,11 @@ class Stillness:
             if not seconds or seconds < SAMPLES_MIN * self._sample_s:
                 continue
             doing = self._anchors[name].doing
-            pool = next((p for p in _pools(doing) if len(pools[p]) >= MATES_MIN), None)
-            if pool is None or seconds <= TIMES * (usual := self._usual(pool)):
+            mates = next((p for p in _pools(doing) if len(pools[p]) >= MATES_MIN), None)
+            if mates is None or seconds <= TIMES * (usual := self._usual(mates)):
                 continue
-            alike = sum(other >= seconds / TIMES for other in pools[pool])
-            if alike <= max(1.0, MANY * len(pools[pool])):
+            alike = sum(other >= seconds / TIMES for other in pools[mates])
+            if alike <= max(1.0, MANY * len(pools[mates])):
                 found[name] = Stuck(seconds, usual)
         return found
 

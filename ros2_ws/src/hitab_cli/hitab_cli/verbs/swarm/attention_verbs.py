@@ -55,9 +55,7 @@ def attention(
 
     with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
-        listener = AttentionListener(
-            swarm_up.agents, swarm_up.world, has_world=swarm_up.has_world
-        )
+        listener = AttentionListener(swarm_up.agents, swarm_up.world, has_world=swarm_up.has_world)
         swarm_up.note_whose(status.swarm for status in swarm_up.agents.statuses.values())
         next_discovery = 0.0
 
