@@ -9,7 +9,7 @@ takes). All is real but the person: the reports, the corrections, and what they 
 Without the ranking, he looks at one after the other in random order, as the tree shows them: at
 squads, supposing that a look shows all that is wrong with a member, or at agents, which is what
 finding an agent that stands or decides strangely takes. His faults are the same, in the same
-places, and visible at once; his corrections take 1.5 s. That is computed, for 1,000 orders.
+places, and visible at once; his corrections take as long. That is computed, for 1,000 orders.
 
     scripts/python research/attention.py --agents 50 --seeds 1
     scripts/python research/attention.py --seeds 3
@@ -49,12 +49,14 @@ class Fault:
 
     Attributes:
         kind: what is wrong.
-        names: the agents concerned.
-        squads: number of squads in which it shows.
+        names: the agents concerned, or the host.
+        agents: the agents concerned.
+        squads: the squads in which it shows.
     """
 
     kind: str
     names: frozenset[str]
+    agents: frozenset[str]
     squads: frozenset[str]
 
 
@@ -66,6 +68,7 @@ class Run:
         found: kind of item and time of each mended fault, by the fault.
         looks, corrections: their numbers.
         false: items that were no planted fault.
+        seconds, correcting_s: time of all, and that of the corrections.
     """
 
     found: dict[Fault, tuple[str, float]] = field(default_factory=dict)
@@ -73,6 +76,7 @@ class Run:
     corrections: int = 0
     false: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    correcting_s: float = 0.0
 
 
 def description(agents: int, hosts: int, seed: int) -> str:
@@ -209,7 +213,7 @@ class Swarm:
             os.kill(self.processes.pid(self.hosts[host][0]), signal.SIGSTOP)
             names = {*self.hosts[host]}
             squads = {s for s, members in self.squads.items() if names & {s, *members}}
-            return Fault(kind, frozenset(names | {host}), frozenset(squads))
+            return Fault(kind, frozenset({host}), frozenset(names), frozenset(squads))
         squad = left.pop()
         members = dice.sample(self.squads[squad], dice.randint(1, MEMBERS_MAX))
         for name in members:
@@ -218,7 +222,7 @@ class Swarm:
             else:
                 folder = library(self.place / f"wrong_{name}", *WRONG_LIBRARIES[kind])
                 self.agents.do(name, LoadLibrary(str(folder)))
-        return Fault(kind, frozenset(members), frozenset({squad}))
+        return Fault(kind, frozenset(members), frozenset(members), frozenset({squad}))
 
     def correct(self, item: Any) -> None:
         """Do what a person does about an item, with the remedies that it shows."""
@@ -235,7 +239,9 @@ class Swarm:
             elif remedy.code is Fix.PERFORM and item.kind is Kind.DISOBEYS:
                 self.agents.do(arguments["agent"], Perform(arguments["behavior"]))
         for (agent, behavior), receivers in given.items():
-            self.agents.distribute(agent, Distribute(behavior, receivers=receivers))
+            report = self.agents.distribute(agent, Distribute(behavior, receivers=receivers))
+            for name, why in report.missing.items():
+                typer.echo(f"  {name} did not take {behavior}: {why}")
         if item.kind is Kind.SILENT:
             for host in item.names:
                 os.kill(self.processes.pid(self.hosts[host][0]), signal.SIGCONT)
@@ -243,7 +249,7 @@ class Swarm:
 
 def operate(swarm: Swarm, faults: list[Fault], ignored: str) -> Run:
     """Find and mend faults with the ranking, without items of an ignored kind."""
-    run, began, done = Run(), time.monotonic(), set[tuple[Any, str]]()
+    run, began, done, corrected = Run(), time.monotonic(), set[tuple[Any, str]](), set[str]()
     while len(run.found) < len(faults) and time.monotonic() - began < LIMIT_S:
         items = [item for item in swarm.listen(0.1) if item.kind.value != ignored]
         present = {(item.kind, name) for item in items for name in item.names}
@@ -259,18 +265,21 @@ def operate(swarm: Swarm, faults: list[Fault], ignored: str) -> Run:
         if not meant:
             run.false.append(str(item))
             continue
+        correcting = time.monotonic()
         swarm.listen(CORRECTION_S)
         swarm.correct(item)
         run.corrections += 1
+        run.correcting_s += time.monotonic() - correcting
+        corrected.update(item.names)
         for fault in meant:
-            if fault not in run.found:
-                run.found[fault] = item.kind.value, time.monotonic() - began
+            if fault.names <= corrected:
+                run.found.setdefault(fault, (item.kind.value, time.monotonic() - began))
     run.seconds = time.monotonic() - began
     return run
 
 
 def unguided(
-    faults: list[Fault], places: list[str], where: Callable[[Fault], Any]
+    faults: list[Fault], correcting_s: float, places: list[str], where: Callable[[Fault], Any]
 ) -> tuple[float, float]:
     """Return time and looks of an operator without the ranking, medians of random orders."""
     seconds, looks = [], []
@@ -282,7 +291,7 @@ def unguided(
             min(order[place] for place in where(fault) if place in order) for fault in faults
         )
         looks.append(last)
-        seconds.append(last * LOOK_S + len(faults) * CORRECTION_S)
+        seconds.append(last * LOOK_S + correcting_s)
     return median(seconds), median(looks)
 
 
@@ -303,7 +312,7 @@ def mended(swarm: Swarm, faults: list[Fault], seconds: float) -> list[Fault]:
         ordered = status.order.behavior in ("", status.behavior)
         return name not in silent and ordered and status.library_digest == digest
 
-    return [fault for fault in faults if all(map(is_right, fault.names))]
+    return [fault for fault in faults if all(map(is_right, fault.agents))]
 
 
 def measure(agents: int, hosts: int, faults: int, seed: int, ignored: str) -> None:
@@ -341,18 +350,23 @@ def measure(agents: int, hosts: int, faults: int, seed: int, ignored: str) -> No
                 run = operate(up, planted, ignored)
                 for fault in planted:
                     how, at_s = run.found.get(fault, ("not found", float("nan")))
-                    typer.echo(f"  {fault.kind}, {len(fault.names)} agents: {how} at {at_s:.1f} s")
+                    typer.echo(
+                        f"  {fault.kind}, {len(fault.agents)} agents: {how} at {at_s:.1f} s"
+                    )
                 for text in run.false:
                     typer.echo(f"  false alarm: {text}")
                 right = mended(up, planted, 20.0)
                 for fault in planted:
                     if fault not in right:
                         typer.echo(f"  not mended: {fault.kind} {sorted(fault.names)[:3]}")
-                squads = unguided(planted, [*up.squads], lambda fault: fault.squads)
+                squads = unguided(
+                    planted, run.correcting_s, [*up.squads], lambda fault: fault.squads
+                )
                 singly = unguided(
                     planted,
+                    run.correcting_s,
                     [name for members in up.squads.values() for name in members],
-                    lambda fault: fault.names,
+                    lambda fault: fault.agents,
                 )
                 typer.echo(
                     f"  with the ranking:    {run.seconds:5.0f} s, {run.looks:3} looks, "

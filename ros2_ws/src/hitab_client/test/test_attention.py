@@ -15,7 +15,7 @@ from hitab_msgs.msg import (
     Subordinate,
 )
 
-from hitab_client.attention import Attention, Finding, Item, Kind, Seen, others_alike, ranked
+from hitab_client.attention import Attention, Concern, Item, Kind, Seen, others_alike, ranked
 from hitab_client.attention.stillness import Doing, Stillness
 from hitab_core import Fix
 from hitab_ros.timing import PROMPT_S
@@ -159,8 +159,8 @@ def test_an_agent_is_told_once_with_all_that_is_wrong():
 
 def test_the_more_urgent_comes_first_unless_the_other_concerns_more_than_ten_times_as_many():
     def kinds(stuck: int) -> list[Kind]:
-        found = [Finding(Kind.DISOBEYS, "x", "disobeys")]
-        found += [Finding(Kind.STUCK, name, "stuck") for name in ANTS[:stuck]]
+        found = [Concern(Kind.DISOBEYS, "x", "disobeys")]
+        found += [Concern(Kind.STUCK, name, "stuck") for name in ANTS[:stuck]]
         return [item.kind for item in ranked(found, {})]
 
     assert kinds(1) == kinds(9) == [Kind.DISOBEYS, Kind.STUCK]
@@ -169,7 +169,7 @@ def test_the_more_urgent_comes_first_unless_the_other_concerns_more_than_ten_tim
 
 def test_what_most_groups_of_a_superior_show_is_one_item_of_the_superior():
     superiors = SQUAD_OF | dict.fromkeys(SQUADS, "chief")
-    in_all = [Finding(Kind.UNSURE, ants[0], "far") for ants in SQUADS.values()]
+    in_all = [Concern(Kind.UNSURE, ants[0], "far") for ants in SQUADS.values()]
     (item,) = ranked(in_all, superiors)
     assert (item.group, len(item.names)) == ("chief", 20)
     assert [item.group for item in ranked(in_all[:3], superiors)] == [
@@ -181,10 +181,10 @@ def test_what_most_groups_of_a_superior_show_is_one_item_of_the_superior():
 
 def test_what_one_was_taught_can_be_given_to_the_others_in_its_situation():
     found = [
-        Finding(Kind.STUCK, name, "stuck in Search", teaches="Forage")
+        Concern(Kind.STUCK, name, "stuck in Search", teaches="Forage")
         for name in ("ant_1", "ant_2", "ant_12")
     ]
-    items = ranked([*found, Finding(Kind.STUCK, "ant_50", "stuck in Carry")], SQUAD_OF)
+    items = ranked([*found, Concern(Kind.STUCK, "ant_50", "stuck in Carry")], SQUAD_OF)
     first = next(item for item in items if "ant_1" in item.names)
     assert Fix.GIVE(agent="ant_1", behavior="Forage", receiver="ant_2") in first.remedies
     assert others_alike(items, first, "ant_1") == ["ant_2", "ant_12"]

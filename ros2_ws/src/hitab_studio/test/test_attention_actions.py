@@ -9,7 +9,7 @@ from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client.attention import Finding, Item, Kind, ranked
+from hitab_client.attention import Concern, Item, Kind, ranked
 from hitab_studio.actions.attention_actions import offer_to_others
 from hitab_studio.pages.page import Page
 from hitab_studio.pages.page_view import perform
@@ -21,13 +21,13 @@ from hitab_studio.views import render
 ANTS = ("ant_1", "ant_2", "ant_3", "ant_4")
 
 
-def items(*findings: Finding) -> tuple[Item, ...]:
-    return tuple(ranked(findings, {}))
+def items(*concerns: Concern) -> tuple[Item, ...]:
+    return tuple(ranked(concerns, {}))
 
 
-STUCK = [Finding(Kind.STUCK, name, "stuck in Search", teaches="Forage") for name in ANTS[1:]]
-SILENT = Finding(Kind.SILENT, "host_1", "gives no signs of life")
-ITEMS = items(SILENT, *STUCK, Finding(Kind.LIBRARY, "ant_1", "has other behaviors than most"))
+STUCK = [Concern(Kind.STUCK, name, "stuck in Search", teaches="Forage") for name in ANTS[1:]]
+SILENT = Concern(Kind.SILENT, "host_1", "gives no signs of life")
+ITEMS = items(SILENT, *STUCK, Concern(Kind.LIBRARY, "ant_1", "has other behaviors than most"))
 
 
 def page_with(*requests: dict[str, Any], found: tuple[Item, ...] = ITEMS) -> Page:

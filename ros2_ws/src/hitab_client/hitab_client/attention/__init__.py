@@ -1,4 +1,4 @@
-"""What deserves a look in a swarm: findings in what it reports, ranked for one person."""
+"""What deserves a look in a swarm: concerns in what it reports, ranked for one person."""
 
 import lazy_loader
 

@@ -1,6 +1,6 @@
 from .attention import Attention as Attention
 from .attention import Seen as Seen
-from .items import Finding as Finding
+from .items import Concern as Concern
 from .items import Item as Item
 from .items import Kind as Kind
 from .items import others_alike as others_alike

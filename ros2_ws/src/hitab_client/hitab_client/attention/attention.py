@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from hitab_client.attention import findings
-from hitab_client.attention.items import Finding, Item, Kind, ranked
+from hitab_client.attention import concerns
+from hitab_client.attention.items import Concern, Item, Kind, ranked
 from hitab_client.attention.stillness import Place, Stillness
 from hitab_ros.timing import PROMPT_S, REPEAT_S
 
@@ -38,7 +38,7 @@ class Seen:
 
 
 class Attention:
-    """Remembers since when each finding lasts, and who got nowhere.
+    """Remembers since when each concern lasts, and who got nowhere.
 
     What is over within a moment deserves no look, such as an order that has not arrived yet.
 
@@ -70,35 +70,35 @@ class Attention:
             (one.kind, one.name): self._since.get((one.kind, one.name), now) for one in found
         }
         lasting = [one for one in found if now - self._began(one) >= PROMPT_S]
-        superiors = findings.superiors_of(seen.statuses, seen.groups)
+        superiors = concerns.superiors_of(seen.statuses, seen.groups)
         self.items = ranked(lasting, superiors, self._began)
         return self.items
 
-    def _began(self, finding: Finding) -> float:
-        return self._since[finding.kind, finding.name]
+    def _began(self, concern: Concern) -> float:
+        return self._since[concern.kind, concern.name]
 
-    def _found(self, seen: Seen) -> Iterator[Finding]:
+    def _found(self, seen: Seen) -> Iterator[Concern]:
         away = {*seen.silent, *seen.missing}
         statuses = {name: s for name, s in seen.statuses.items() if name not in away}
         groups = {name: group for name, group in seen.groups.items() if name not in away}
         if not 0.0 <= self._next_sample - seen.seconds <= REPEAT_S:
             self._next_sample = seen.seconds + REPEAT_S
-            self._stillness.take(seen.seconds, findings.doings(statuses, seen.groups), seen.places)
+            self._stillness.take(seen.seconds, concerns.doings(statuses, seen.groups), seen.places)
         still = {n: how for n, how in self._stillness.stuck().items() if n in statuses}
-        yield from findings.absent(seen.silent, seen.missing, self._process_of)
-        yield from findings.machines(seen.machines, seen.silent_machines)
-        yield from findings.faulty(statuses)
-        yield from findings.disobeying(statuses, groups)
-        yield from findings.stuck(statuses, still)
-        yield from findings.unarmed(statuses)
-        yield from findings.unsure(statuses)
-        yield from findings.differing(statuses, seen.groups)
+        yield from concerns.absent(seen.silent, seen.missing, self._process_of)
+        yield from concerns.machines(seen.machines, seen.silent_machines)
+        yield from concerns.faulty(statuses)
+        yield from concerns.disobeying(statuses, groups)
+        yield from concerns.stuck(statuses, still)
+        yield from concerns.unarmed(statuses)
+        yield from concerns.unsure(statuses)
+        yield from concerns.differing(statuses, seen.groups)
 
 
-def _one_each(findings: Iterable[Finding]) -> list[Finding]:
-    """Return the most urgent finding of each name, which also tells the others."""
-    found: dict[str, Finding] = {}
-    for other in findings:
+def _one_each(concerns: Iterable[Concern]) -> list[Concern]:
+    """Return the most urgent concern of each name, which also tells the others."""
+    found: dict[str, Concern] = {}
+    for other in concerns:
         first = found.setdefault(other.name, other)
         if first is not other:
             why = "; ".join(filter(None, (first.why, other.what)))

@@ -14,7 +14,7 @@ from hitab_core import Fix, Remedy, natural, quantity
 
 
 class Kind(Enum):
-    """Kinds of findings, the most urgent first."""
+    """Kinds of concerns, the most urgent first."""
 
     SILENT = "silent"  # a machine, a host or an agent that does not answer
     FAULT = "fault"  # an agent with faults, such as one that cannot act
@@ -29,7 +29,7 @@ URGENCY: Mapping[Kind, int] = {kind: -order for order, kind in enumerate(Kind)}
 
 
 @dataclass(frozen=True)
-class Finding:
+class Concern:
     """Something about one agent that deserves a look.
 
     Attributes:
@@ -53,7 +53,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Item:
-    """Alike findings of one group.
+    """Alike concerns of one group.
 
     Attributes:
         names: the agents, hosts or machines concerned, in natural order.
@@ -62,7 +62,7 @@ class Item:
         since: time at which the first of them was found, on the monotonic clock, s.
         remedies: ways out, of all of them.
         agents: number of agents concerned.
-        teaches: as in `Finding`.
+        teaches: as in `Concern`.
     """
 
     kind: Kind
@@ -111,24 +111,24 @@ class Item:
 
 
 def ranked(
-    findings: Iterable[Finding],
+    concerns: Iterable[Concern],
     superiors: Mapping[str, str],
-    since: Callable[[Finding], float] = lambda finding: 0.0,
+    since: Callable[[Concern], float] = lambda concern: 0.0,
 ) -> list[Item]:
-    """Return items for findings, the most important first.
+    """Return items for concerns, the most important first.
 
-    Findings are alike if they say the same of members of one group. If that is the case in most of
+    Concerns are alike if they say the same of members of one group. If that is the case in most of
     the groups of a superior, they are one item of the superior.
 
     Args:
-        findings: the findings.
+        concerns: the concerns.
         superiors: superior of each agent and commander, by name.
-        since: returns when a finding was first made, s.
+        since: returns when a concern was first made, s.
     """
-    alike: dict[tuple[Kind, str], dict[str, list[Finding]]] = {}
-    for finding in findings:
-        groups = alike.setdefault((finding.kind, finding.what), {})
-        groups.setdefault(superiors.get(finding.name, ""), []).append(finding)
+    alike: dict[tuple[Kind, str], dict[str, list[Concern]]] = {}
+    for concern in concerns:
+        groups = alike.setdefault((concern.kind, concern.what), {})
+        groups.setdefault(superiors.get(concern.name, ""), []).append(concern)
     below: dict[str, int] = {}
     for superior in {name: superiors.get(name, "") for name in {*superiors.values()}}.values():
         below[superior] = below.get(superior, 0) + 1
@@ -141,9 +141,9 @@ def ranked(
 
 
 def _merged(
-    groups: dict[str, list[Finding]], superiors: Mapping[str, str], below: Mapping[str, int]
-) -> dict[str, list[Finding]]:
-    """Return findings by group, with those of most groups of a superior under the superior."""
+    groups: dict[str, list[Concern]], superiors: Mapping[str, str], below: Mapping[str, int]
+) -> dict[str, list[Concern]]:
+    """Return concerns by group, with those of most groups of a superior under the superior."""
     while True:
         concerned: dict[str, list[str]] = {}
         for group in groups:
@@ -157,7 +157,7 @@ def _merged(
         if not merging:
             return groups
         for superior, some in merging.items():
-            together = [finding for group in some for finding in groups.pop(group)]
+            together = [concern for group in some for concern in groups.pop(group)]
             groups.setdefault(superior, []).extend(together)
 
 
@@ -165,13 +165,13 @@ def _item(
     kind: Kind,
     what: str,
     group: str,
-    found: list[Finding],
-    since: Callable[[Finding], float],
+    found: list[Concern],
+    since: Callable[[Concern], float],
 ) -> Item:
-    found = sorted(found, key=lambda finding: natural(finding.name))
+    found = sorted(found, key=lambda concern: natural(concern.name))
     first = found[0]
-    names = tuple(finding.name for finding in found)
-    remedies = dict.fromkeys(way for finding in found for way in finding.remedies)
+    names = tuple(concern.name for concern in found)
+    remedies = dict.fromkeys(way for concern in found for way in concern.remedies)
     if first.teaches:
         give = partial(Fix.GIVE, agent=first.name, behavior=first.teaches)
         remedies |= dict.fromkeys(give(receiver=name) for name in names[1:])
@@ -183,7 +183,7 @@ def _item(
         first.why,
         min(map(since, found)),
         tuple(remedies),
-        sum(finding.agents for finding in found),
+        sum(concern.agents for concern in found),
         first.teaches,
     )
 

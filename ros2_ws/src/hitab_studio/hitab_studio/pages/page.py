@@ -122,9 +122,7 @@ class Page:
         self.chosen: list[str] = []
         self.agent = ""
         self.tab = "teach"
-        self.level = ""
-        self.state = ""
-        self.filter = ""
+        self.level = self.state = self.filter = ""
         self.to_start = ""
         self.folds: dict[str, bool] = {}
         self.missing_targets: MissingTargets | None = None

@@ -1,15 +1,16 @@
-"""Findings in what a swarm reports: pure functions of statuses, groups and signs of life."""
+"""Concerns in what a swarm reports: pure functions of statuses, groups and signs of life."""
 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import partial
 
 from hitab_msgs.msg import AgentStatus, CommanderStatus, MachineStatus
 
-from hitab_client.attention.items import Finding, Kind
+from hitab_client.attention.items import Concern, Kind
 from hitab_client.attention.stillness import Doing, Stuck
-from hitab_core import Fix, Remedy, natural, quantity, some
+from hitab_core import Fix, Remedy, Term, natural, quantity, some
 from hitab_ros import fault_texts
 from hitab_ros.messages.conversions import remedies_of
 
@@ -18,6 +19,9 @@ Groups = Mapping[str, CommanderStatus]
 
 MAJORITY = 0.8
 """Share of a domain's agents whose library is the usual one."""
+
+BEHAVIORS_MAX = 3
+"""Maximum number of behaviors that are proposed to replace those of a library."""
 
 LEFT_TO_PERSON = (AgentStatus.TRAINING, AgentStatus.TESTING)
 """Modes in which a person cares for the agent already."""
@@ -45,7 +49,7 @@ def superiors_of(statuses: Statuses, groups: Groups) -> dict[str, str]:
 
 def absent(
     silent: Mapping[str, float], missing: Collection[str], process_of: Callable[[str], str]
-) -> Iterator[Finding]:
+) -> Iterator[Concern]:
     """Yield the processes that are silent or that the world does not hear.
 
     Args:
@@ -63,32 +67,32 @@ def absent(
         if names != {process}:
             why += f"; it runs {some(sorted(names, key=natural))}"
         ways = (Fix.LOGS(node=process),)
-        yield Finding(Kind.SILENT, process, what, why, ways, len(names))
+        yield Concern(Kind.SILENT, process, what, why, ways, len(names))
 
 
-def machines(known: Mapping[str, MachineStatus], silent: Mapping[str, float]) -> Iterator[Finding]:
+def machines(known: Mapping[str, MachineStatus], silent: Mapping[str, float]) -> Iterator[Concern]:
     """Yield the machines that are silent, have faults or are hardly heard by others."""
     for name, seconds in silent.items():
         agents = sum(len(process.agents) for process in known[name].processes)
         what = "this machine gives no signs of life"
         why = f"for {seconds:.0f} s; it ran {quantity(agents, 'agent')}"
-        yield Finding(Kind.SILENT, name, what, why, (Fix.STATUS(),), max(1, agents))
+        yield Concern(Kind.SILENT, name, what, why, (Fix.STATUS(),), max(1, agents))
     for name, status in known.items():
         if name not in silent:
             for fault in status.faults:
-                yield Finding(Kind.FAULT, name, fault, remedies=(Fix.STATUS(),))
+                yield Concern(Kind.FAULT, name, fault, remedies=(Fix.STATUS(),))
 
 
-def faulty(statuses: Statuses) -> Iterator[Finding]:
+def faulty(statuses: Statuses) -> Iterator[Concern]:
     """Yield the agents with faults, other than that their robot may not act."""
     for name, status in statuses.items():
         faults = [fault for fault in status.faults if fault != status.stopped]
         if faults and not status.order.waits:
             what = faults[0].replace(name, "it")
-            yield Finding(Kind.FAULT, name, what, "; ".join(faults), _ways(status))
+            yield Concern(Kind.FAULT, name, what, "; ".join(faults), _ways(status))
 
 
-def disobeying(statuses: Statuses, groups: Groups) -> Iterator[Finding]:
+def disobeying(statuses: Statuses, groups: Groups) -> Iterator[Concern]:
     """Yield the members that do not perform their commander's order, though they could."""
     for commander, group in groups.items():
         for member in group.subordinates:
@@ -105,10 +109,10 @@ def disobeying(statuses: Statuses, groups: Groups) -> Iterator[Finding]:
                 ways = [Fix.PERFORM(agent=member.name, behavior=ordered or group.order)]
                 if status.order.waits and status.last_error:
                     why, ways = status.last_error, [*_ways(status)]
-            yield Finding(Kind.DISOBEYS, member.name, what, why, tuple(ways))
+            yield Concern(Kind.DISOBEYS, member.name, what, why, tuple(ways))
 
 
-def stuck(statuses: Statuses, still: Mapping[str, Stuck]) -> Iterator[Finding]:
+def stuck(statuses: Statuses, still: Mapping[str, Stuck]) -> Iterator[Concern]:
     """Yield the agents that get nowhere although their mates do."""
     for name, (seconds, usual) in still.items():
         status = statuses[name]
@@ -116,17 +120,17 @@ def stuck(statuses: Statuses, still: Mapping[str, Stuck]) -> Iterator[Finding]:
         why = f"no change for {seconds:.0f} s; its mates go on after {usual:.0f} s"
         ways = (Fix.TRAIN_FURTHER(agent=name, behavior=status.behavior), Fix.PERFORM(agent=name))
         what = f"stuck in {doing}"
-        yield Finding(Kind.STUCK, name, what, why, ways, teaches=status.behavior)
+        yield Concern(Kind.STUCK, name, what, why, ways, teaches=status.behavior)
 
 
-def unarmed(statuses: Statuses) -> Iterator[Finding]:
+def unarmed(statuses: Statuses) -> Iterator[Concern]:
     """Yield the robots that wait for a person to arm them, with no cause left to stand still."""
     for name, status in statuses.items():
         if not status.armed and status.stopped.startswith(fault_texts.WAITS_TO_BE_ARMED):
-            yield Finding(Kind.UNARMED, name, status.stopped, "", (Fix.ARM(robot=name),))
+            yield Concern(Kind.UNARMED, name, status.stopped, "", (Fix.ARM(robot=name),))
 
 
-def unsure(statuses: Statuses) -> Iterator[Finding]:
+def unsure(statuses: Statuses) -> Iterator[Concern]:
     """Yield the agents that are unsure, or whose decisions are far from all examples."""
     for name, status in statuses.items():
         caution = status.caution
@@ -141,13 +145,14 @@ def unsure(statuses: Statuses) -> Iterator[Finding]:
             Fix.TRAIN_FURTHER(agent=name, behavior=status.behavior),
             Fix.CAUTION(agent=name, when_unsure="halt"),
         )
-        yield Finding(Kind.UNSURE, name, what, why, ways, teaches=status.behavior)
+        yield Concern(Kind.UNSURE, name, what, why, ways, teaches=status.behavior)
 
 
-def differing(statuses: Statuses, groups: Groups) -> Iterator[Finding]:
+def differing(statuses: Statuses, groups: Groups) -> Iterator[Concern]:
     """Yield the agents whose libraries differ from that of most agents of their domain.
 
-    Where most agents have libraries of their own, none differs.
+    Where most agents have libraries of their own, none differs. Which behavior differs is unknown;
+    those that most of the mates perform bring all that they use.
     """
     domains: dict[str, list[AgentStatus]] = defaultdict(list)
     for name, status in statuses.items():
@@ -158,17 +163,18 @@ def differing(statuses: Statuses, groups: Groups) -> Iterator[Finding]:
         if count == len(mates) or count < MAJORITY * len(mates):
             continue
         source = next(mate for mate in mates if mate.library_digest == usual)
+        performed = Counter(Term.parse(mate.behavior).name for mate in mates if mate.behavior)
+        behaviors = [behavior for behavior, _ in performed.most_common(BEHAVIORS_MAX)]
         for status in mates:
             if status.library_digest != usual:
-                name = status.agent
-                behavior = status.order.behavior or status.behavior or source.behavior
-                give = Fix.GIVE(agent=source.agent, behavior=behavior, receiver=name)
+                give = partial(Fix.GIVE, agent=source.agent, receiver=status.agent)
                 why = (
                     f"its library is {status.library_digest[:8]}; {count} of {len(mates)} agents "
                     f"have {usual[:8]}"
                 )
                 what = "has other behaviors than most"
-                yield Finding(Kind.LIBRARY, name, what, why, (give,))
+                ways = tuple(give(behavior=behavior) for behavior in behaviors)
+                yield Concern(Kind.LIBRARY, status.agent, what, why, ways)
 
 
 def _ways(status: AgentStatus) -> tuple[Remedy, ...]:
