@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
-from functools import partial
 
 from hitab_msgs.msg import AgentStatus, CommanderStatus, MachineStatus
 
@@ -167,13 +166,15 @@ def differing(statuses: Statuses, groups: Groups) -> Iterator[Concern]:
         behaviors = [behavior for behavior, _ in performed.most_common(BEHAVIORS_MAX)]
         for status in mates:
             if status.library_digest != usual:
-                give = partial(Fix.GIVE, agent=source.agent, receiver=status.agent)
                 why = (
                     f"its library is {status.library_digest[:8]}; {count} of {len(mates)} agents "
                     f"have {usual[:8]}"
                 )
                 what = "has other behaviors than most"
-                ways = tuple(give(behavior=behavior) for behavior in behaviors)
+                ways = tuple(
+                    Fix.GIVE(agent=source.agent, behavior=behavior, receiver=status.agent)
+                    for behavior in behaviors
+                )
                 yield Concern(Kind.LIBRARY, status.agent, what, why, ways)
 
 
