@@ -26,6 +26,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from statistics import median
@@ -192,7 +193,9 @@ class Swarm:
     def plant(self, faults: int, dice: random.Random) -> list[Fault]:
         """Plant faults of five kinds, each in squads of its own."""
         five = ("silent host", "disobeys", *WRONG_LIBRARIES)
-        kinds = [five[i % len(five)] for i in range(faults)]
+        # Hosts come last, since one that stands still for long is started again.
+        kinds = [five[i % len(five)] for i in reversed(range(faults))]
+        kinds.sort(key=lambda kind: kind == "silent host")
         with_agents = [h for h, names in self.hosts.items() if {*names} & {*self.agents.statuses}]
         away = dice.sample(with_agents, min(kinds.count("silent host"), len(with_agents) - 1))
         left = [
@@ -218,11 +221,21 @@ class Swarm:
         members = dice.sample(self.squads[squad], dice.randint(1, MEMBERS_MAX))
         for name in members:
             if kind == "disobeys":
-                self.agents.do(name, Perform("Search"))
+                self._do(name, Perform("Search"))
             else:
                 folder = library(self.place / f"wrong_{name}", *WRONG_LIBRARIES[kind])
-                self.agents.do(name, LoadLibrary(str(folder)))
+                self._do(name, LoadLibrary(str(folder)))
         return Fault(kind, frozenset(members), frozenset(members), frozenset({squad}))
+
+    def _do(self, name: str, operation: Any) -> None:
+        """Have an agent carry out an operation, on a busy machine at the third attempt."""
+        from hitab_client import SwarmError
+
+        for _ in range(2):
+            with suppress(SwarmError):
+                self.agents.do(name, operation)
+                return
+        self.agents.do(name, operation)
 
     def correct(self, item: Any) -> None:
         """Do what a person does about an item, with the remedies that it shows."""
@@ -237,7 +250,7 @@ class Swarm:
                 sent = arguments["agent"], arguments["behavior"]
                 given.setdefault(sent, []).append(arguments["receiver"])
             elif remedy.code is Fix.PERFORM and item.kind is Kind.DISOBEYS:
-                self.agents.do(arguments["agent"], Perform(arguments["behavior"]))
+                self._do(arguments["agent"], Perform(arguments["behavior"]))
         for (agent, behavior), receivers in given.items():
             report = self.agents.distribute(agent, Distribute(behavior, receivers=receivers))
             for name, why in report.missing.items():

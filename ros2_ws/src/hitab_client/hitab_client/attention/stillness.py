@@ -12,8 +12,6 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-import numpy as np
-
 SAMPLES_MIN = 20
 """Minimum number of samples in which a stuck agent was still."""
 
@@ -117,7 +115,7 @@ class Stillness:
         for name, doing in doings.items():
             if name in places and name in self._places:
                 ways[doing.domain].append(math.dist(places[name], self._places[name]))
-        strides = {d: float(np.quantile(found, STRIDE_QUANTILE)) for d, found in ways.items()}
+        strides = {d: sorted(w)[int(STRIDE_QUANTILE * len(w))] for d, w in ways.items()}
         return defaultdict(float, strides)
 
     def stuck(self) -> dict[str, Stuck]:
