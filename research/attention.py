@@ -239,6 +239,7 @@ class Swarm:
 
     def correct(self, item: Any) -> None:
         """Do what a person does about an item, with the remedies that it shows."""
+        from hitab_client import SwarmError
         from hitab_client.attention import Kind
         from hitab_core import Fix
         from hitab_core.operations import Distribute, Perform
@@ -252,9 +253,13 @@ class Swarm:
             elif remedy.code is Fix.PERFORM and item.kind is Kind.DISOBEYS:
                 self._do(arguments["agent"], Perform(arguments["behavior"]))
         for (agent, behavior), receivers in given.items():
-            report = self.agents.distribute(agent, Distribute(behavior, receivers=receivers))
-            for name, why in report.missing.items():
-                typer.echo(f"  {name} did not take {behavior}: {why}")
+            try:
+                report = self.agents.distribute(agent, Distribute(behavior, receivers=receivers))
+            except SwarmError as error:
+                typer.echo(f"  {behavior} was not sent: {error}")
+            else:
+                for name, why in report.missing.items():
+                    typer.echo(f"  {name} did not take {behavior}: {why}")
         if item.kind is Kind.SILENT:
             for host in item.names:
                 os.kill(self.processes.pid(self.hosts[host][0]), signal.SIGCONT)

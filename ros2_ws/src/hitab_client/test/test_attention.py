@@ -138,7 +138,8 @@ def test_decisions_far_from_all_examples_are_told_with_the_distance():
 
 
 def test_a_library_that_differs_from_most_can_be_replaced_by_a_mates():
-    (item,) = items_of(healthy(ant_7=ant("ant_7", library_digest="bb")))
+    basic = ant("ant_9", behavior="Release", active_path=[])  # which comes with the domain
+    (item,) = items_of(healthy(ant_7=ant("ant_7", library_digest="bb"), ant_9=basic))
     assert item.kind is Kind.LIBRARY
     assert item.remedies == (Fix.GIVE(agent="ant_1", behavior="Forage", receiver="ant_7"),)
 

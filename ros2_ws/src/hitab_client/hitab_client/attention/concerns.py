@@ -162,7 +162,9 @@ def differing(statuses: Statuses, groups: Groups) -> Iterator[Concern]:
         if count == len(mates) or count < MAJORITY * len(mates):
             continue
         source = next(mate for mate in mates if mate.library_digest == usual)
-        performed = Counter(Term.parse(mate.behavior).name for mate in mates if mate.behavior)
+        # A basic behavior has no states, and comes with the domain.
+        trained = [mate.behavior for mate in mates if mate.active_path]
+        performed = Counter(Term.parse(behavior).name for behavior in trained)
         behaviors = [behavior for behavior, _ in performed.most_common(BEHAVIORS_MAX)]
         for status in mates:
             if status.library_digest != usual:
