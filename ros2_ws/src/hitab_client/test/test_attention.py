@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
+import pytest
 from hitab_msgs.msg import (
     AgentStatus,
     CommanderStatus,
@@ -211,7 +212,8 @@ def test_who_stays_while_the_mates_move_is_stuck_whatever_the_speed():
     for speed in (0.001, 1.0, 1000.0):
 
         def place(name: str, t: int, speed: float = speed) -> tuple[float, float]:
-            return (speed * min(t, 50), 0.0) if name in stays else (speed * t, 0.0)
+            trembles = 50.0 + 0.2 * (t % 2)
+            return (speed * min(t, trembles), 0.0) if name in stays else (speed * t, 0.0)
 
         assert watched(100, place) == stays
 
@@ -225,11 +227,13 @@ def test_who_turns_in_a_corner_is_stuck_too():
     }
 
 
-def test_who_waits_no_longer_than_mates_do_is_not_stuck():
+@pytest.mark.parametrize("period", [120, 600])
+def test_who_waits_no_longer_than_mates_do_is_not_stuck(period: int):
+    """A quarter, or one in twenty, waits for half a minute, one after the other."""
+
     def place(name: str, t: int) -> tuple[float, float]:
-        turn = int(name[4:]) % 4
-        moved = t - 30 * ((t + 30 * turn) // 120)
-        return (float(moved if (t + 30 * turn) % 120 >= 30 else 0), 0.0)
+        rounds, phase = divmod(t + 6 * int(name[4:]), period)
+        return (float(rounds * period + max(phase, 30)), 0.0)
 
     assert watched(400, place) == set()
 
