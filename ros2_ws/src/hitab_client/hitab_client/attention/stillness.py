@@ -12,7 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-SAMPLES_MIN = 20
+SAMPLES_MIN = 30
 """Minimum number of samples in which a stuck agent was still."""
 
 WATCHED_MIN = 60
@@ -21,7 +21,7 @@ WATCHED_MIN = 60
 MATES_MIN = 10
 """Minimum number of agents that are compared; else those in the surrounding state are, too."""
 
-TIMES = 1.5
+TIMES = 2.0
 """A stuck agent has been still for so many times as long as its mates usually are."""
 
 RARE = 0.005
