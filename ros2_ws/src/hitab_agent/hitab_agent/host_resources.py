@@ -15,6 +15,7 @@ from hitab_agent.links.reach_watch import ReachWatch
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.scheduler import JobQueue, Scheduler
+from hitab_agent.topics.decision_watch import DecisionWatch
 from hitab_agent.topics.distribution import Distributions
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
@@ -44,6 +45,7 @@ class HostResources:
         signs: completes the process's signs of life, and passes on those of subordinates.
         reach: watches who is in reach of agents that halt otherwise.
         distributions: sends and receives behaviors.
+        decisions: notices decisions that are far from all examples.
         diagnostics: publishes the agents' faults.
         on_demand: opens the agents' endpoints for those who ask; None if all are open.
         batches: publishes a host's statuses; None if the process is no host.
@@ -93,6 +95,7 @@ class HostResources:
         self.signs = ProcessSigns(node)
         self.reach = ReachWatch(node, self, rosters)
         self.distributions = Distributions(node, self.nodes)
+        self.decisions = DecisionWatch(self.nodes, self.scheduler)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
         self.on_demand = (
             EndpointsOnDemand(node, self.scheduler, topics=is_host) if on_demand else None

@@ -1,3 +1,4 @@
+from . import attention as attention
 from . import bootstrapping as bootstrapping
 from . import demonstrating as demonstrating
 from . import measures as measures

@@ -7,11 +7,13 @@ from .action_behavior import action_behaviors as action_behaviors
 from .action_behavior import calls_of as calls_of
 from .action_behavior import feedback_feature as feedback_feature
 from .action_behavior import uses_actions as uses_actions
+from .advice.confidence import RatedFunctions as RatedFunctions
 from .advice.remarks import Remark as Remark
 from .advice.remarks import RemarkKind as RemarkKind
 from .agent import Agent as Agent
 from .assistant.caution import Caution as Caution
 from .assistant.caution import WhenUnsure as WhenUnsure
+from .assistant.decided import decided_at as decided_at
 from .automaton import FLAGS as FLAGS
 from .automaton import OWN_FEATURES as OWN_FEATURES
 from .automaton import OWN_NAMES as OWN_NAMES

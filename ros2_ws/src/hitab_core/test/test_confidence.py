@@ -1,13 +1,14 @@
 """How sure a decision is: how far it is from what was demonstrated."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core.advice.confidence import Confidences
+from hitab_core.advice.confidence import Confidences, RatedFunctions
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import UNKNOWN_DISTANCE, Nearness
 from hitab_core.automaton import Automaton
@@ -126,3 +127,30 @@ def test_the_distance_is_that_of_the_nearest_example_in_the_tested_features(rows
     assert found == pytest.approx(Nearness(known.values, scales, sorted(tested))(situation))
     for row in known.values.tolist():
         assert rate.distance(row) == pytest.approx(0, abs=1e-9)
+
+
+def test_a_decision_that_was_made_is_rated_by_what_it_read():
+    rate = rated(BALL, [METERS, Scale(FeatureKind.BOOLEAN)])
+    whole = [8.5, 0.0]
+    read = [
+        f
+        for f in range(2)
+        if math.isnan(rate.decided([None if g == f else whole[g] for g in range(2)]))
+    ]
+    assert len(read) == 1  # the tree tests one of the two
+    assert rate.decided(whole) == rate.distance(whole) == 0
+    missing = [math.nan if f in read else whole[f] for f in range(2)]
+    assert rate.decided(missing) == rate.distance(missing) == UNKNOWN_DISTANCE
+
+
+def test_functions_are_rated_once_and_anew_when_learned_again():
+    domain = SimpleNamespace(scale_of=lambda term: METERS)
+    examples = [Example("S", (v,), "A", ExampleKind.DEMONSTRATED) for v in (0.0, 2.0)]
+    known = evidence([((0.0,), "A", False), ((2.0,), "B", False)], [METERS])
+    one, other = (
+        learn_transition("tree", [METERS], known.values, known.next_states) for _ in range(2)
+    )
+    rates = RatedFunctions()
+    first = rates.of(one, "S", [Term("X")], examples, domain)
+    assert rates.of(one, "S", [Term("X")], examples, domain) is first
+    assert rates.of(other, "S", [Term("X")], examples, domain) is not first

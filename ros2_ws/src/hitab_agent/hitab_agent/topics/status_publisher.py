@@ -45,6 +45,7 @@ class StatusPublisher:
         message: the status; the handlers of requests record their outcome in it.
         topic: the agent's own topic of its status.
         path: the last published path of active states.
+        decided_at: distance of recent decisions that were far from all examples; 0 if near.
         superior: the link to the agent's commander; None if it has none.
     """
 
@@ -73,6 +74,7 @@ class StatusPublisher:
         self.message.swarm = settings.swarm
         self.message.when_out_of_reach = settings.when_out_of_reach
         self.path: list[str] = []
+        self.decided_at = 0.0
         self.superior: SuperiorLink | None = None
         self._together = ""
         self._commanded: dict[str, float] = {}  # when each demonstrator last commanded
@@ -176,6 +178,7 @@ class StatusPublisher:
         caution.unsure = agent.monitor.unsure
         caution.when_unsure = agent.monitor.caution.when_unsure.value
         caution.distance = agent.monitor.caution.distance
+        caution.decided_at = self.decided_at
         status.cycle = agent.cycle
         status.perceived = agent.context.feature_cache.perceived
         status.library_digest = agent.loaded.digest
@@ -205,6 +208,12 @@ class StatusPublisher:
             if fault not in self._shared.logged:
                 self._shared.logged.add(fault)
                 self._guard.log(fault)
+
+    @property
+    def is_read(self) -> bool:
+        """Whether somebody reads the status."""
+        batches = self._shared.batches
+        return self.topic.is_listened_to or (batches is not None and batches.are_read)
 
     def publish_soon(self) -> None:
         """Publish the status a little later, once for all changes in between."""

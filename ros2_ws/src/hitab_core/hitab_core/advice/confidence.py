@@ -10,13 +10,20 @@ the largest of its possible leaves.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import UNKNOWN_DISTANCE, Nearness
+from hitab_core.domain import Domain
+from hitab_core.example import Example
 from hitab_core.learning import Leaf, Node
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.term import Term
 from hitab_core.transition_function import TransitionFunction
+
+RATED_MAX = 1000
+"""Maximum number of functions with confidences; each learning makes new functions."""
 
 
 class Confidences:
@@ -45,6 +52,28 @@ class Confidences:
         if distance > largest:
             return f"it is {distance:.2g} spreads of the examples from the nearest one"
         return ""
+
+    def decided(self, values: Sequence[float | None]) -> float:
+        """Return the distance of a decision that was made; NaN if it was not made from these.
+
+        Args:
+            values: see `distance`. A value that the decision needs is missing if another state
+                decided, or nothing did.
+        """
+        if not isinstance(self._function, TransitionTree):
+            used = self._function.features_used
+            return math.nan if any(values[f] is None for f in used) else self.distance(values)
+        node, tested = self._function.root_, []
+        while not isinstance(node, Leaf):
+            value = values[node.feature]
+            if value is None:
+                return math.nan
+            tested.append(node.feature)
+            branch = node.branch_for(value)
+            if value != value or branch is None:
+                return self.distance(values)
+            node = node.branches[branch]
+        return self._distance(frozenset(tested), values)
 
     def distance(self, values: Sequence[float | None]) -> float:
         """Return the distance of a decision from the nearest example.
@@ -82,3 +111,28 @@ class Confidences:
             known = self._evidence
             self._measures[tested] = Nearness(known.values, known.scales, sorted(tested))
         return self._measures[tested](values)
+
+
+class RatedFunctions:
+    """The `Confidences` of learned transition functions, made when they are first needed."""
+
+    def __init__(self) -> None:
+        self._rated: dict[tuple[int, str], tuple[TransitionFunction, Confidences]] = {}
+
+    def of(
+        self,
+        function: TransitionFunction,
+        state: str,
+        features: Sequence[Term],
+        examples: Sequence[Example],
+        domain: Domain,
+    ) -> Confidences:
+        """Return the confidences of a state's function, learned from examples of all states."""
+        rated = self._rated.get((id(function), state))
+        if rated is None or rated[0] is not function:
+            if len(self._rated) >= RATED_MAX:
+                self._rated.clear()
+            scales = list(map(domain.scale_of, features))
+            evidence = Evidence.of(state, examples, scales, list(map(str, features)))
+            rated = self._rated[id(function), state] = function, Confidences(function, evidence)
+        return rated[1]

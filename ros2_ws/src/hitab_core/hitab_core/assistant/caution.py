@@ -13,8 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from hitab_core.advice.confidence import Confidences
-from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.confidence import RatedFunctions
 from hitab_core.example import Example
 from hitab_core.running.given_numbers import NumberRange
 from hitab_core.running.run_context import RunContext, Running
@@ -22,7 +21,6 @@ from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.texts.errors import TrainingError
 from hitab_core.texts.remedies import Fix
 from hitab_core.texts.vocabulary import unknown
-from hitab_core.transition_function import TransitionFunction
 
 
 class WhenUnsure(StrEnum):
@@ -94,7 +92,7 @@ class CautionMonitor:
         self.number_range = NumberRange()
         self.unsure = ""
         self._halted: Running | None = None
-        self._rated: dict[tuple[int, str], tuple[TransitionFunction, Confidences]] = {}
+        self._rated = RatedFunctions()
 
     def set(self, caution: Caution) -> None:
         """Replace the caution."""
@@ -152,15 +150,10 @@ class CautionMonitor:
         function = running.function
         if function is None:
             return ""
-        features, state = running.automaton.features, running.active
-        rated = self._rated.get((id(function), state))
-        if rated is None or rated[0] is not function:
-            scales = [context.repertoire.domain.scale_of(term) for term in features]
-            evidence = Evidence.of(state, examples, scales, [str(term) for term in features])
-            rated = function, Confidences(function, evidence)
-            self._rated[id(function), state] = rated
-        values = list(map(running.look, features))
-        return rated[1].doubts(values, self.caution.distance)
+        features = running.automaton.features
+        domain = context.repertoire.domain
+        rated = self._rated.of(function, running.active, features, examples, domain)
+        return rated.doubts(list(map(running.look, features)), self.caution.distance)
 
     def _halt(self, running: Running | None) -> None:
         """Stop the basic behavior that is performed, until it is released."""

@@ -42,6 +42,7 @@ class Fix(Enum):
     MOVE_AWAY = "move {file} away"
     PUT_INTACT = "put an intact file in the place of {file}"
     SEND = 'have an agent that has "{behavior}" send it'
+    GIVE = 'have {agent} give "{behavior}" to {receiver}'
     RELOAD = "have the agents of {swarm} read their libraries again"
     # generations
     NEXT_GENERATION = "make a generation of what {agent} trains"
@@ -57,6 +58,7 @@ class Fix(Enum):
     DOWN = "stop {swarm}, or end what is left of it"
     DOWN_FOLDER = "stop the swarm in {folder}, or end what is left of it"
     STATUS = "see who is there"
+    TREE = "see who performs the orders of {commander}"
     LOGS = "look into the log of {node}"
     DOCTOR = "look for the cause"
     RECORD = "record it"

@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from hitab_ros import names, qos
 from hitab_ros.messages.stamps import as_time
-from hitab_ros.nodes.fault_texts import STOPPED
+from hitab_ros.nodes.fault_texts import STOPPED, WAITS_TO_BE_ARMED
 from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.nodes.steady_timer import steady_timer
 from hitab_ros.stopping.emergency_stop import EmergencySwitch, stopped_by
@@ -147,4 +147,4 @@ def why_stopped(why: str, causes: Iterable[str]) -> str:
         return ""
     if reasons := "; ".join(causes):
         return f"{STOPPED}: {reasons}"
-    return f"waits to be armed: {why if why == JUST_STARTED else f'{why}; that is over'}"
+    return f"{WAITS_TO_BE_ARMED}: {why if why == JUST_STARTED else f'{why}; that is over'}"

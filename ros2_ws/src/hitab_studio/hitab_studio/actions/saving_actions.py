@@ -7,6 +7,7 @@ from dataclasses import replace
 from hitab_client import SwarmError
 from hitab_core.operations import Distribute, SaveBehavior
 from hitab_ros.messages.conversions import pairs_message
+from hitab_studio.actions.attention_actions import offer_to_others
 from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.pages.page import Page
@@ -46,6 +47,7 @@ async def save(page: Page, data: Data) -> None:
     await carry_out(page, operation)
     page.tab, page.behavior = "library", name
     page.studio.link.want(page.agent, name)
+    offer_to_others(page, name)
 
 
 @action("library")

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
+from hitab_client.attention import Item
 from hitab_client.demonstrating import behavior_keys
 from hitab_core.training.operation import Operation
 from hitab_ros import names
@@ -104,6 +105,7 @@ class Page:
         shown_numbers: the behavior whose form of numbers is open; None if none.
         missing_targets: the commanded behavior that still needs targets; None if none.
         lost: the last command, if the agent has not answered it; None otherwise.
+        item: the item that the person went to last; None if none.
         not_taken: behaviors of commands that were not taken, by agent, until the page can show it.
         dialog: the open dialog, with the values of its template; {} if none.
         player: the player of the open recording; None if none.
@@ -120,14 +122,13 @@ class Page:
         self.chosen: list[str] = []
         self.agent = ""
         self.tab = "teach"
-        self.level = ""
-        self.state = ""
-        self.filter = ""
+        self.level = self.state = self.filter = ""
         self.to_start = ""
         self.folds: dict[str, bool] = {}
         self.missing_targets: MissingTargets | None = None
         self.shown_numbers: ShownNumbers | None = None
         self.lost: LostCommand | None = None
+        self.item: Item | None = None
         self.not_taken: dict[str, str] = {}
         self.table = ExamplesTable()
         self.dialog: dict[str, Any] = {}

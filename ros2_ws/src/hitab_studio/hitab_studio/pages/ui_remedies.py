@@ -21,6 +21,7 @@ BUTTONS = {
     Fix.IDLE: "Go idle in Teach",
     Fix.RESTORE: "the versions in Library",
     Fix.SEND: "Distribute… in Library",
+    Fix.GIVE: "Distribute… in Library",
     Fix.NEXT_GENERATION: "Generations… in Teach",
     Fix.GO: "Release…",
     Fix.ARM: "Re-arm",

@@ -12,6 +12,7 @@ const JUMP = 2.5; // m; a thing that moves farther in a cycle was placed, and is
 const CALL_MS = 1400;
 const TRAIL = 90;
 const SLOW_MS = 16;
+const CLOSE = 24; // px per m, at least, of an agent that deserves a look
 const SMALL = 26; // number of things above which they are drawn smaller
 
 class Field {
@@ -49,6 +50,7 @@ class Field {
     else if (message.t === "order") this.orders.push({ ...message, until: performance.now() + 2200 });
     else if (message.t === "heard") window.studioHeard(message.id);
     else if (message.t === "replay") this.replay = message.on;
+    else if (message.t === "center") this.centerOn(message.name);
     else if (message.t === "chosen") this.chosen = new Set(message.names);
     else if (message.t === "demonstrator") rememberDemonstrator(message.name);
     else this.robots.take(message);
@@ -160,6 +162,16 @@ class Field {
       fitted: false,
     };
     this.redraw();
+  }
+
+  centerOn(name) {
+    const i = this.index.get(name);
+    if (i === undefined || !this.now) return;
+    const [x, y] = this.place(i, 1);
+    const [top, bottom] = this.margins();
+    const scale = Math.max(this.view.scale, CLOSE);
+    const [mx, my] = [this.width / 2, top + (this.height - top - bottom) / 2];
+    this.view = { scale, x: mx - x * scale, y: my + y * scale, fitted: false };
   }
 
   // Returns the cycle at a time between two frames.

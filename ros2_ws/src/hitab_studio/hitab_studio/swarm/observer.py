@@ -30,6 +30,7 @@ from hitab_studio.field.remembered_scenes import RememberedScenes
 from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.swarm.agent_watch import AgentWatch
+from hitab_studio.swarm.attention_watch import AttentionWatch
 from hitab_studio.swarm.processes import Processes
 from hitab_studio.swarm.swarm_finder import SwarmTarget
 from hitab_studio.swarm.swarm_state import SwarmState
@@ -122,6 +123,7 @@ class Observer:
         self._next_stops = 0.0
         self._signs = agents.signs_of_life(has_world=target.world)
         self._processes = Processes(target.folder)
+        self._attention = AttentionWatch(agents, self._processes)
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
         self._events: dict[str, deque[TransitionEvent]] = {}
@@ -173,6 +175,8 @@ class Observer:
             self._reports = self._commanders.reports
             self._know(groups=MappingProxyType(dict(self._commanders.groups)))
         self._listen()
+        if (items := self._attention.look(self.known)) is not self.known.attention:
+            self._know(attention=items)
         wanted = {page.agent for page in self._pages.values()} - {""}
         followed = wanted if self._agents.is_large else wanted | heard
         for agent in followed & statuses.keys() - self._events.keys():

@@ -29,6 +29,10 @@ class Processes:
         self._asking: threading.Thread | None = None
         self._next = 0.0
 
+    def process_of(self, name: str) -> str:
+        """Return the process that runs an agent, or the agent's name if that is unknown."""
+        return name if self._processes is None else self._processes.process_of(name)
+
     def why(self, absent: Collection[str]) -> Mapping[str, Silence]:
         """Return the known reasons, by process, and refresh them; to be called periodically.
 

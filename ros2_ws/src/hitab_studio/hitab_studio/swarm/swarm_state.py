@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
+from hitab_client.attention import Item
 from hitab_client.runs.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
@@ -41,6 +42,7 @@ class SwarmState:
         watched: states of the viewed agents, by name.
         moments: scenes of the recorded examples.
         elsewhere: identities of swarms that were started elsewhere, if none was started here.
+        attention: what deserves a look, the most important first.
         emergency: the known emergency stops.
         stopped_at: time at which the first of these was heard, on the wall clock, s.
         recording: the file of the run being recorded; "" if none.
@@ -60,6 +62,7 @@ class SwarmState:
     watched: Mapping[str, AgentState] = field(default_factory=lambda: NO_ITEMS)
     moments: Mapping[Key, Scene] = field(default_factory=lambda: NO_ITEMS)
     elsewhere: tuple[str, ...] = ()
+    attention: tuple[Item, ...] = ()
     emergency: KnownStops = field(default_factory=KnownStops)
     stopped_at: float = 0.0
     recording: str = ""

@@ -68,7 +68,8 @@ def context(page: Page) -> dict[str, Any]:
     if kind == "name":
         found |= {"demonstrator": page.demonstrator, "longest_name": NAME_LENGTH_MAX}
     if kind == "distribute":
-        found["receivers"] = [agent for agent in page.agents if agent != dialog["agent"]]
+        others = [agent for agent in page.agents if agent != dialog["agent"]]
+        found["receivers"] = dialog.get("alike", others)
     if kind in ("rename-behavior", "delete-behavior"):
         found["users"] = users_of(page, dialog["name"])
     if kind == "save":

@@ -16,6 +16,9 @@ from hitab_studio.swarm.swarm_state import SwarmState
 
 DAY = 24 * 3600
 
+ITEMS_MAX = 20
+"""Maximum number of items shown that deserve a look."""
+
 
 def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
@@ -33,6 +36,8 @@ def context(page: Page) -> dict[str, Any]:
         "expected": len(studio.known.agents),
         "waiting": studio.known.is_waiting,
         "libraries": len({s.library_digest for s in statuses}),
+        "items": studio.known.attention[:ITEMS_MAX],
+        "more_items": len(studio.known.attention[ITEMS_MAX:]),
         "stoppable": _stoppable(page),
         "choices": choices(page),
         "absences": {w: some(sorted(who, key=natural)) for w, who in absent(studio.known).items()},

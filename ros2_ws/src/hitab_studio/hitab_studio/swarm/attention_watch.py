@@ -1,0 +1,42 @@
+"""What deserves a look in the connected swarm."""
+
+from __future__ import annotations
+
+import time
+
+from hitab_client import SwarmClient
+from hitab_client.attention import Attention, Item, Machines, Seen
+from hitab_ros.timing import HEARTBEAT_S
+from hitab_studio.swarm.processes import Processes
+from hitab_studio.swarm.swarm_state import SwarmState
+
+
+class AttentionWatch:
+    """Ranks what deserves a look, from what the studio knows."""
+
+    def __init__(self, agents: SwarmClient, processes: Processes) -> None:
+        self._attention = Attention(processes.process_of)
+        self._machines = Machines(agents)
+        self._next = 0.0
+
+    def look(self, known: SwarmState) -> tuple[Item, ...]:
+        """Return the items, the most important first; to be called periodically."""
+        if (now := time.monotonic()) < self._next:
+            return known.attention
+        self._next = now + HEARTBEAT_S
+        scene, world = known.shown, known.world
+        places = {}
+        if scene is not None:
+            places = dict(zip(scene.names, map(tuple, scene.places[:, :2].tolist()), strict=True))
+        seen = Seen(
+            known.statuses,
+            known.groups,
+            {name: now - at for name, at in known.silent.items()},
+            frozenset(world.missing if world is not None else ()) & known.statuses.keys(),
+            places,
+            now if scene is None else scene.seconds,
+            self._machines.statuses,
+            self._machines.silent(),
+        )
+        items = tuple(self._attention.look(seen, now))
+        return items if items != known.attention else known.attention
