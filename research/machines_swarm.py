@@ -30,7 +30,7 @@ world:
   factor: {factor}
   seed: 1
   parameters:
-    {{foragers: {agents}, width: {side}, height: {side}, obstacles: 6,
+    {{foragers: {agents}, width: {side}, height: {side}, obstacles: 6, duration: 36000.0,
       small_boxes: {boxes}, renew: true}}
 agents:
   forager: {{count: {agents}}}
@@ -59,12 +59,15 @@ class Person:
         from hitab_msgs.msg import WorldStatus
 
         from hitab_client import RosLink, RunFolder, Stops, SwarmClient
+        from hitab_machines import MachineSigns
         from hitab_ros import names, qos
 
         record = RunFolder(folder).read()
         self.link = RosLink(record.domain_id)
         self.agents = SwarmClient(self.link, record.agents, identity=record.identity)
         self.stops = Stops(self.link)
+        self._engaged = False
+        self.signs = MachineSigns(self.link.node, "", record.identity)
         self.world = WorldStatus()
         self.cycles = self.late = 0
         self.processes = record.processes
@@ -106,8 +109,12 @@ class Person:
         self.cycles = self.late = 0
         return found
 
-    def train(self, agent: str) -> None:
-        """Save one behavior, give it to all others, and leave the training of another one."""
+    def train(self, agent: str) -> int:
+        """Save one behavior, give it to all others, and leave the training of another one.
+
+        Returns:
+            How often it was given; what is sent before a host is connected is lost.
+        """
         from hitab_core.operations import (
             BeginTraining,
             Command,
@@ -116,17 +123,21 @@ class Person:
             SaveBehavior,
         )
 
+        given, left = 0, [name for name in self.agents.statuses if name.startswith("forager")]
         for name in ("Saved", "Unsaved"):
             self.agents.do(agent, BeginTraining(name, features=["Done"]))
             for command in COMMANDS:
                 self.agents.do(agent, Command(command))
             if name == "Saved":
                 self.agents.do(agent, SaveBehavior())
-                mates = [name for name in self.agents.statuses if name.startswith("forager")]
-                report = self.agents.distribute(agent, Distribute("Saved", receivers=mates))
-                if report.missing:
-                    raise RuntimeError(f"not distributed: {report.missing}")
+                began = time.monotonic()
+                while left and time.monotonic() - began < LONG_S:
+                    report = self.agents.distribute(agent, Distribute("Saved", receivers=left))
+                    left, given = [*report.missing], given + 1
+        if left:
+            raise TimeoutError(f"{len(left)} did not take the behavior, such as {left[0]}")
         self.agents.do(agent, Perform("Stop"))
+        return given
 
     def order(self, order: str) -> float:
         """Have the chief order something; return how long it took until it acknowledged, s."""
@@ -166,6 +177,11 @@ class Person:
 
     def stop(self, engaged: bool, seconds: float) -> dict[str, str]:
         """Stop or release all; return who has not confirmed, and why."""
+        from hitab_client import Stops
+
+        if engaged is not self._engaged:  # an object is for one stop or release
+            self.stops = Stops(self.link, switch=self.stops.switch)
+            self._engaged = engaged
         return self.stops.switch_all([self.stops], "research", engaged=engaged, seconds=seconds)
 
     def confirmed(self, seconds: float) -> float:
@@ -173,6 +189,13 @@ class Person:
         began = time.monotonic()
         if left := self.stop(True, seconds):
             raise TimeoutError(f"not confirmed: {left}")
+        return time.monotonic() - began
+
+    def silent(self, machine: str) -> float:
+        """Wait until a machine is silent; return how long it took, s."""
+        began = time.monotonic()
+        if not self.link.spin_until(lambda: machine in self.signs.silent(), LONG_S, 0.05):
+            raise TimeoutError(f"{machine} is not silent")
         return time.monotonic() - began
 
     def arm(self) -> None:
@@ -188,7 +211,7 @@ class Person:
 
         found: list[WorldState] = []
         subscription = self.link.subscribe(
-            WorldState, names.of_world(names.STATE), found.append, qos.LATCHED
+            WorldState, names.of_world(names.STATE), found.append, qos.LATCHED, temporary=True
         )
         self.link.spin_until(lambda: bool(found), LONG_S)
         self.link.node.destroy_subscription(subscription)
