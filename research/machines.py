@@ -205,8 +205,7 @@ def main(
             with swarm.up():
                 typer.echo(f"{name}: up after {time.monotonic() - began:.0f} s")
                 swarm.ask("arm")
-                given = swarm.ask("train", swarm.trained)
-                typer.echo(f"  trained {swarm.trained}, its behavior was given {given} times")
+                swarm.ask("train", swarm.trained)
                 play(swarm)
                 state: dict[str, Any] = swarm.ask("state", swarm.trained)
                 return state

@@ -24,7 +24,6 @@ COMMANDS = ("Forward", "RotateLeft", "Stop", "Forward")
 SWARM = """\
 swarm: thousand
 domain: foraging
-start_from: foraging
 world:
   kind: foraging
   factor: {factor}
@@ -33,7 +32,7 @@ world:
     {{foragers: {agents}, width: {side}, height: {side}, obstacles: 6, duration: 36000.0,
       small_boxes: {boxes}, renew: true}}
 agents:
-  forager: {{count: {agents}}}
+  forager: {{count: {agents}, start_from: foraging}}
   robot_1: {{domain: "field_robots:DOMAIN", when_out_of_reach: halt}}
   robot_2: {{domain: "field_robots:DOMAIN"}}
 kinds:
@@ -109,35 +108,16 @@ class Person:
         self.cycles = self.late = 0
         return found
 
-    def train(self, agent: str) -> int:
-        """Save one behavior, give it to all others, and leave the training of another one.
+    def train(self, agent: str) -> None:
+        """Leave an agent with an unsaved training, performing something else."""
+        from hitab_core.operations import BeginTraining, Command, Perform
 
-        Returns:
-            How often it was given; what is sent before a host is connected is lost.
-        """
-        from hitab_core.operations import (
-            BeginTraining,
-            Command,
-            Distribute,
-            Perform,
-            SaveBehavior,
-        )
-
-        given, left = 0, [name for name in self.agents.statuses if name.startswith("forager")]
-        for name in ("Saved", "Unsaved"):
-            self.agents.do(agent, BeginTraining(name, features=["Done"]))
-            for command in COMMANDS:
-                self.agents.do(agent, Command(command))
-            if name == "Saved":
-                self.agents.do(agent, SaveBehavior())
-                began = time.monotonic()
-                while left and time.monotonic() - began < LONG_S:
-                    report = self.agents.distribute(agent, Distribute("Saved", receivers=left))
-                    left, given = [*report.missing], given + 1
-        if left:
-            raise TimeoutError(f"{len(left)} did not take the behavior, such as {left[0]}")
-        self.agents.do(agent, Perform("Stop"))
-        return given
+        for operation in (
+            BeginTraining("Unsaved", features=["Done"]),
+            *map(Command, COMMANDS),
+            Perform("Stop"),
+        ):
+            self.agents.do(agent, operation)
 
     def order(self, order: str) -> float:
         """Have the chief order something; return how long it took until it acknowledged, s."""
@@ -148,7 +128,9 @@ class Person:
         while True:
             try:
                 self.agents.do("chief", Perform(order))
-                return time.monotonic() - began
+                took = time.monotonic() - began
+                print(f"{order}: acknowledged after {took:.1f} s", file=sys.stderr)
+                return took
             except SwarmError:
                 if time.monotonic() - began > LONG_S:
                     raise
@@ -156,7 +138,7 @@ class Person:
     def obey(self, order: str, without: list[str]) -> float:
         """Wait until all obey an order, except for some processes; return how long it took, s."""
         absent = {name for process in without for name in self.processes[process]}
-        began = time.monotonic()
+        began, last = time.monotonic(), list[str]()
 
         def disobeying() -> list[str]:
             return [
@@ -172,7 +154,8 @@ class Person:
                 behaviors = {name: self.agents.statuses[name].behavior for name in left[:5]}
                 raise TimeoutError(f"{len(left)} do not obey {order}, such as {behaviors}")
             self.link.spin_until(lambda: False, 0.05)
-            missing = {*self.world.missing}
+            missing, last = {*self.world.missing}, left
+        print(f"{order}: {len(last)} at last, such as {last[:3]}", file=sys.stderr)
         return time.monotonic() - began
 
     def stop(self, engaged: bool, seconds: float) -> dict[str, str]:
