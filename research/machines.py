@@ -27,10 +27,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from machines_swarm import MACHINES, TESTS, Swarm, until
+from machines_swarm import MACHINES, TESTS, Swarm, states, until
 
 LOST, MOVED_TO = "lab_3", "lab_2"
 CUT, DRIVERS = "lab_2", ("lab_2_host_1", "robot_1", "robot_2")
+LONG = 120.0
 
 
 class Table:
@@ -77,8 +78,6 @@ def kill(swarm: Swarm, table: Table, kills: int, period: float, dice: random.Ran
 
 def lose(swarm: Swarm, table: Table) -> None:
     """Lose a machine, move its agents, and have it come back."""
-    from hitab_client.runs.run_processes import process_states
-
     until(lambda: copied(swarm), "copies of what was learned")
     began = time.monotonic()
     swarm.network.cut_off(MACHINES[LOST])
@@ -97,8 +96,7 @@ def lose(swarm: Swarm, table: Table) -> None:
     swarm.hitab(LOST, "up", str(swarm.file), "--machine", LOST)
 
     def yields() -> bool:
-        states = {s["name"]: s["statename"] for s in process_states(swarm.runs[LOST].read())}
-        return states.get(f"{LOST}_host_1", "EXITED") == "EXITED"
+        return states(swarm.runs[LOST]).get(f"{LOST}_host_1", "EXITED") == "EXITED"
 
     began = time.monotonic()
     until(yields, f"{LOST} yields")
@@ -159,9 +157,6 @@ def cut(swarm: Swarm, table: Table, seconds: float) -> None:
     table.row("order", swarm.obey("Work"))
 
 
-LONG = 120.0
-
-
 def differences(found: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
     """Return what differs, a line each."""
     lines = []
@@ -174,7 +169,7 @@ def differences(found: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
 
 def main(
     agents: Annotated[int, typer.Option(help="Number of foragers.")] = 1000,
-    rate: Annotated[float, typer.Option(help="Cycles per second.")] = 8.0,
+    rate: Annotated[float, typer.Option(help="Cycles per second.")] = 5.0,
     seconds: Annotated[float, typer.Option(help="Duration of the undisturbed minute.")] = 60.0,
     kills: Annotated[int, typer.Option(help="Number of kills.")] = 20,
     period: Annotated[float, typer.Option(help="Time between two kills, s.")] = 4.0,
@@ -224,9 +219,13 @@ def main(
         measure(swarm, table, seconds / 4, f"{seconds / 4:g} s of peace")
         orders.extend(swarm.given)
 
+    def undisturbed(swarm: Swarm) -> None:
+        for order in orders:
+            swarm.obey(order)
+
     typer.echo(f"{agents} agents, {rate:g} Hz, one way {delay * 1e3:.0f} ms, {loss:.0%} lost")
     found = run("disturbed", delay, loss, disturbed)
-    wanted = run("undisturbed", 0.0, 0.0, lambda swarm: [swarm.obey(o) for o in orders] and None)
+    wanted = run("undisturbed", 0.0, 0.0, undisturbed)
     lines = differences(found, wanted)
     typer.echo(f"{len(orders)} orders; {len(found)} values, {len(lines)} differ")
     for line in lines:

@@ -1,4 +1,4 @@
-"""Agents on three machines end as undisturbed ones, whatever is killed, lost, moved and cut off."""
+"""Agents on three machines end as undisturbed ones, whatever is killed, lost and cut off."""
 
 import subprocess
 import sys
@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-RESEARCH = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(RESEARCH.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 from lossy_network import why_not
+
+PROGRAM = Path(__file__).resolve().parents[1] / "machines.py"
 
 
 @pytest.mark.long
@@ -18,7 +19,7 @@ from lossy_network import why_not
 def test_thirty_agents_end_as_undisturbed_ones():
     options = "--agents 30 --rate 5 --kills 6 --cuts 10 --seconds 5 --domain 61"
     done = subprocess.run(
-        [sys.executable, RESEARCH / "machines.py", *options.split()],
+        [sys.executable, PROGRAM, *options.split()],
         capture_output=True,
         text=True,
         check=False,
