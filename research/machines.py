@@ -100,7 +100,8 @@ def lose(swarm: Swarm, table: Table) -> None:
 
     began = time.monotonic()
     until(yields, f"{LOST} yields")
-    table.row(f"{LOST} back: yields", time.monotonic() - began)
+    swarm.ask("silent", LOST, False)
+    table.row(f"{LOST} up again: yields, is heard", time.monotonic() - began)
     table.row("order", swarm.obey("Work"))
     began = time.monotonic()
     swarm.hitab("lab_1", "move", f"{LOST}_host_1", "--to", LOST)
@@ -201,7 +202,10 @@ def main(
                 typer.echo(f"{name}: up after {time.monotonic() - began:.0f} s")
                 swarm.ask("arm")
                 swarm.ask("train", swarm.trained)
+                shown = swarm.ask("examples", swarm.trained)
                 play(swarm)
+                if (kept := swarm.ask("examples", swarm.trained)) != shown:
+                    raise SystemExit(f"{name}: the training has {kept} instead of {shown}")
                 state: dict[str, Any] = swarm.ask("state", swarm.trained)
                 return state
 

@@ -19,6 +19,9 @@ CYCLES_HZ, FIELD_M, SQUAD = 10.0, 8.5, 5
 START_S, LONG_S = 240.0, 120.0
 MEANT = {"Work": "Forage", "Turn": "RotateLeft", "Halt": "Stop"}
 DRIVEN = {"Work": "Go", "Turn": "Turn", "Halt": "Stop"}
+SITUATION = ("cycle", "ago", "readings")
+"""Fields of an example that tell of the world when it was shown: two runs differ in them."""
+
 COMMANDS = ("Forward", "RotateLeft", "Stop", "Forward")
 
 SWARM = """\
@@ -172,11 +175,12 @@ class Person:
             raise TimeoutError(f"not confirmed: {left}")
         return time.monotonic() - began
 
-    def silent(self, machine: str) -> float:
-        """Wait until a machine is silent; return how long it took, s."""
+    def silent(self, machine: str, silent: bool = True) -> float:
+        """Wait until a machine is silent, or heard again; return how long it took, s."""
         began = time.monotonic()
-        if not self.link.spin_until(lambda: machine in self.signs.silent(), LONG_S, 0.05):
-            raise TimeoutError(f"{machine} is not silent")
+        reached = lambda: (machine in self.signs.silent()) is silent  # noqa: E731
+        if not self.link.spin_until(reached, LONG_S, 0.05):
+            raise TimeoutError(f"{machine} is {'not silent' if silent else 'silent'}")
         return time.monotonic() - began
 
     def arm(self) -> None:
@@ -201,8 +205,6 @@ class Person:
 
     def state(self, agent: str) -> dict[str, Any]:
         """Return what each agent does and knows, and the unsaved training of one."""
-        from dataclasses import asdict
-
         found: dict[str, Any] = {
             name: {
                 "mode": status.mode,
@@ -215,11 +217,17 @@ class Person:
             }
             for name, status in self.agents.statuses.items()
         }
-        examples = [asdict(example) for example in self._training(agent).examples]
-        for example in examples:  # the world differs
-            del example["cycle"], example["ago"]
-        found["examples"] = {str(number): example for number, example in enumerate(examples)}
+        found["examples"] = [
+            {name: value for name, value in example.items() if name not in SITUATION}
+            for example in self.examples(agent)
+        ]
         return found
+
+    def examples(self, agent: str) -> list[dict[str, Any]]:
+        """Return the examples of an agent's training, as plain data."""
+        from dataclasses import asdict
+
+        return [asdict(example) for example in self._training(agent).examples]
 
     def _training(self, agent: str) -> Any:
         """Return the training of an agent, which this program may have to discover first."""
