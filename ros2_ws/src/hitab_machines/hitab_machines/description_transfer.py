@@ -66,7 +66,7 @@ def _find_machine(link: RosLink, swarm: str) -> tuple[str, str]:
             def take(status: MachineStatus, prefix: str = prefix) -> None:
                 name = re.fullmatch(r"\w{1,100}", status.machine, re.ASCII)
                 if name is not None and is_identity(status.swarm):
-                    heard.add(status.swarm)
+                    heard.add(status.swarm.rpartition("-")[0])
                     if status.swarm.rpartition("-")[0] == swarm:
                         found[status.swarm, prefix] = status.machine
 
@@ -74,11 +74,11 @@ def _find_machine(link: RosLink, swarm: str) -> tuple[str, str]:
         return bool(found)
 
     if not link.spin_until(look, START_S, waiting_for=lambda: f"a machine of swarm {swarm}"):
-        others = f"; machines of {some(sorted(heard))} are up" if heard else ""
+        others = f" (machines of {some(sorted(heard))} are)" if heard else ""
         raise SwarmError(
             f"there is no file {swarm}, and no machine of a swarm {swarm} is up in ROS domain "
             f"{link.node.context.get_domain_id()}{others}: start first the machine that has the "
-            "file, or name the file"
+            "file, or name the file; `hitab doctor --network 10` shows which computers are heard"
         )
     (_, prefix), machine = min(found.items())
     return machine, prefix

@@ -226,7 +226,7 @@ class TakingOver:
             )
             if await self._jobs.until(has_yielded, DISCOVERY_S):
                 return []
-            return [f"{owner} did not end {process}; what its agents learn from now on"]
+            return [f"{owner} did not end {process}; what its agents learn from now on is lost"]
         finally:
             # The host that starts here would take the claim for another one.
             self._node.destroy_publisher(publisher)
@@ -247,7 +247,7 @@ class TakingOver:
         age = self._copies.age(owner)
         if age is None:
             return [f"{why}, and there is no copy of its files: {process} begins untrained"]
-        return [f"{why}, and its copy is {age:.0f} s old: what was learned since then"]
+        return [f"{why}, and its copy is {age:.0f} s old: what was learned since then is lost"]
 
 
 def _job(process: str) -> str:
