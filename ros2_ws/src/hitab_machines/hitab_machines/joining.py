@@ -87,7 +87,8 @@ def await_machines(
             f"{swarm.name} --machine {left[0]}`, which gets the swarm file from here"
         )
     for name, status in statuses.items():
-        if moved := [it for it in running(status) if it in record.machines[record.machine]]:
+        moved = [it for it in running(status) if it in record.machines[record.machine]]
+        if moved and name != record.machine:
             yield (
                 f"{name} runs {some(moved)} now; `{called()} move {moved[0]} --to "
                 f"{record.machine}` moves it back"
