@@ -49,7 +49,8 @@ class MachineFaults:
             if name not in heard and name != self._machine and up_s > DISCOVERY_S:
                 yield (
                     f"{name} was not heard since {self._machine} started; start it there with "
-                    f"`hitab up FILE --machine {name}`, or look there with `hitab doctor`"
+                    f"`hitab up FILE --machine {name}`, or look there and here with `hitab doctor "
+                    "--network 10`"
                 )
         for name, machine in sorted(heard.items()):
             status = machine.status
