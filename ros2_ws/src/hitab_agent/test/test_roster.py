@@ -124,9 +124,7 @@ def test_a_roster_stops_no_host_until_its_own_gives_a_sign_of_life(process):
     publisher.publish(msg.HostRoster(host="host_of_a", number=later, **found))
     process.until(lambda: mine.number > later)  # its own name is taken back
     heard = list[msg.Alive]()
-    process.node.create_subscription(
-        msg.Alive, f"/{names.ALIVE}", heard.append, qos.SIGNS_OF_LIFE
-    )
+    process.node.create_subscription(msg.Alive, f"/{names.ALIVE}", heard.append, qos.SIGNS_OF_LIFE)
     publisher.publish(msg.HostRoster(host="host_of_stray", number=later, **found))
     process.until(lambda: len(heard) > 3)
     assert gave_up == []

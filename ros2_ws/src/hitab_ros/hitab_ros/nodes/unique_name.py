@@ -98,7 +98,7 @@ def check_name_is_free(
     }
     observer.destroy_publisher(marked)
     if newer:  # it may be a leftover, or a stray message
-        spinning.spin_until(lambda: newer.keys() & living, FOUND_S)
+        spinning.spin_until(lambda: not living.isdisjoint(newer), FOUND_S)
     observer.destroy_subscription(rosters)
     observer.destroy_subscription(signs)
     for host in newer.keys() & living:
