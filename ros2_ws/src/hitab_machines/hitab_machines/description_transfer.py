@@ -11,15 +11,13 @@ from pathlib import Path, PurePosixPath
 from hitab_msgs.msg import MachineFile, MachineStatus
 from hitab_msgs.srv import ReadFiles
 
+from hitab_bringup.swarm_files.described_files import DESCRIPTION
 from hitab_client import RosLink, SwarmError, domain_ids
 from hitab_client.connecting.identity import is_identity
 from hitab_core import HitabError, some
 from hitab_core.library.yaml_places import open_yaml
 from hitab_ros import names, qos
 from hitab_ros.timing import START_S
-
-FOLDER = "description"
-"""Folder in a run folder with the description that another machine has sent."""
 
 FILES_MAX = 2000
 """Maximum number of files of a description."""
@@ -49,7 +47,7 @@ def fetch_description(
     with RosLink(domain_ids.for_swarm(is_free=False), announce) as link:
         machine, prefix = _find_machine(link, swarm)
         files = _read_all(link, machine, f"{prefix}/{machine}/{names.READ_FILES}")
-    return _write(files, folder / FOLDER, machine)
+    return _write(files, folder / DESCRIPTION, machine)
 
 
 def _find_machine(link: RosLink, swarm: str) -> tuple[str, str]:
