@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from hitab_msgs.msg import MachineFile, MachineStatus
 from hitab_msgs.srv import ReadFiles
 
-from hitab_bringup.swarm_files.described_files import DESCRIPTION
+from hitab_bringup import DESCRIPTION
 from hitab_client import RosLink, SwarmError, domain_ids
 from hitab_client.connecting.identity import is_identity
 from hitab_core import HitabError, some
