@@ -182,6 +182,7 @@ class TakingOver:
             f"{process} with {quantity(len(agents), 'agent')} runs on {self._record.machine} now "
             f"(lease {lease})"
         )
+        self._node.get_logger().info("; ".join([outcome.message, *outcome.lost]))
 
     async def _start(self, process: str, lease: int) -> list[str]:
         owner, lost = self._holders.holder(process), list[str]()

@@ -54,10 +54,9 @@ def status(
       hitab status --check --json -
     """
     with connection(swarm, reads=True) as swarm_up:
-        swarm_up.agents.await_agents()
+        heard = swarm_up.machines.heard_agents() if swarm_up.machines is not None else ()
+        swarm_up.agents.await_agents(heard)
         _await_world(swarm_up)
-        if swarm_up.machines is not None:
-            swarm_up.machines.listen()
         reported = (*swarm_up.agents.statuses.values(), swarm_up.world.status)
         swarm_up.note_whose(status.swarm for status in reported if status is not None)
         if watch:
