@@ -113,7 +113,7 @@ class Switch:
 def main(hosts: int, delay_s: float, loss: float) -> None:
     """Make the network and run it until told to stop."""
     ip("link", "set", "lo", "up")
-    holders = [subprocess.Popen(["unshare", "-n", "sleep", "600"]) for _ in range(hosts)]
+    holders = [subprocess.Popen(["unshare", "-n", "sleep", "3600"]) for _ in range(hosts)]
     try:
         ours = _namespace("self")
         deadline = time.monotonic() + 5.0

@@ -14,7 +14,7 @@ from waiting import hanging, pid_of
 
 from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import dds_profile
-from hitab_core.operations import Perform
+from hitab_core.operations import BeginTraining, Command, DiscardTraining, Perform
 
 SECONDS = 60.0
 AGENT = "keeper_1"
@@ -65,6 +65,24 @@ def test_a_killed_agent_goes_on_with_what_it_performed(swarm: RunningSwarm) -> N
     swarm.agents.do(AGENT, Perform())
     kill_and_await(swarm, AGENT)
     assert swarm.agents.statuses[AGENT].mode == "idle"
+
+
+def test_a_killed_agent_that_left_its_training_goes_on_with_what_it_did_instead(
+    swarm: RunningSwarm,
+) -> None:
+    swarm.agents.do(AGENT, BeginTraining("Unsaved", features=["Done"]))
+    swarm.agents.do(AGENT, Command("Stop"))
+    examples = swarm.agents.statuses[AGENT].training.examples
+    assert examples > 0
+    kill_and_await(swarm, AGENT)
+    assert swarm.agents.statuses[AGENT].mode == "training"
+    for behavior, mode in (("GoFast", "performing"), ("", "idle")):
+        swarm.agents.do(AGENT, Perform(behavior))
+        kill_and_await(swarm, AGENT)
+        status = swarm.agents.statuses[AGENT]
+        assert (status.mode, status.behavior) == (mode, behavior)
+        assert (status.training.automaton, status.training.examples) == ("Unsaved", examples)
+    swarm.agents.do(AGENT, DiscardTraining())
 
 
 def test_a_killed_world_goes_on_from_its_latest_state(swarm: RunningSwarm) -> None:
@@ -159,8 +177,7 @@ def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm)
         kill_and_await(swarm, name)
         until(swarm, lambda name=name, file=file: str(file) in swarm.folder.log(name).read_text())
     assert swarm.agents.statuses[AGENT].mode == "idle"
-    assert swarm.world.status is not None
-    assert swarm.world.status.cycle == 0
+    until(swarm, lambda: swarm.world.status is not None and swarm.world.status.cycle == 0)
 
 
 @pytest.mark.parametrize("name", [AGENT, "world"])

@@ -43,6 +43,7 @@ from .sizing import reduced as reduced
 from .sizing import refuse_untriable as refuse_untriable
 from .sizing import trial_sizes as trial_sizes
 from .sizing import try_out as try_out
+from .swarm_files.described_files import DESCRIPTION as DESCRIPTION
 from .swarm_files.described_files import described_files as described_files
 from .swarm_files.described_files import description_digest as description_digest
 from .swarm_files.swarm_description import AgentDescription as AgentDescription

@@ -111,8 +111,10 @@ class AgentNode(AgentBase):
         self.memory = RestartMemory(states, self.agent_name, settings.swarm)
         if self.memory.damage:
             self.get_logger().warning(self.memory.damage)
-        if self.agent.session is None:
-            performed = self.memory.performed
+        performed, training = self.memory.performed, self.agent.session is not None
+        if not (training and self.memory.trained):
+            if training:
+                self.agent.perform(None)  # the training is kept, as before
             self._begin(settings.behavior if performed is None else performed)
 
     def remember(self) -> None:
@@ -120,10 +122,11 @@ class AgentNode(AgentBase):
         self.guard.run("storing the behavior for a restart", self.memory.keep, self.resumed())
 
     def resumed(self) -> dict[str, Any]:
-        """Return what is stored for a restart: the behavior to resume."""
+        """Return what is stored for a restart: what to resume."""
         agent = self.agent
         performed = agent.top if agent.mode is Mode.PERFORMING else agent.pending_behavior
-        return {"behavior": str(performed or "")}
+        trained = agent.mode in (Mode.TRAINING, Mode.TESTING)
+        return {"behavior": str(performed or ""), "trained": trained}
 
     def _begin(self, behavior: str) -> None:
         """Perform a behavior at startup; stay idle if there is none or it cannot be performed.
@@ -164,7 +167,7 @@ class AgentNode(AgentBase):
         if settings.when_out_of_reach == "halt":
             shared.reach.join(self)
         training, performed = self.agent.session, self.memory.performed
-        if training is not None:
+        if training is not None and self.agent.mode is Mode.TRAINING:
             self.status.began(
                 note=f'resumed the interrupted training of "{training.curriculum.name}" '
                 f"with {quantity(len(training.log), 'example')}"

@@ -23,6 +23,8 @@ class RestartMemory:
         performed: the top-level behavior of the process before this one, empty if there was none;
             None if this is the agent's first start in its swarm. An agent outside any swarm is
             started by a person, who chooses its behavior.
+        trained: whether a demonstrator trained the agent, so that a training goes on; the first
+            start in a swarm goes on with any.
         damage: why the file is ignored; empty if it can be read.
     """
 
@@ -38,6 +40,7 @@ class RestartMemory:
         self._swarm = swarm
         self.values: dict[str, Any] = {}
         self.performed: str | None = None
+        self.trained = True
         self.damage = ""
         try:
             with self._path.open(encoding="utf-8") as file:
@@ -48,6 +51,7 @@ class RestartMemory:
             self.damage = f"{self._path} is ignored because it cannot be read: {error}"
         if swarm and self.values.get("swarm") == swarm:
             self.performed = str(self.values.get("behavior", ""))
+            self.trained = bool(self.values.get("trained", True))
 
     def keep(self, values: Mapping[str, Any]) -> None:
         """Note values, if that changes anything.

@@ -7,12 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from hitab_msgs.msg import MachineStatus
 
 from hitab_core import some
-from hitab_machines.machine_signs import MachineSigns
+from hitab_machines.machine_signs import OFFSET_MAX_S, MachineSigns
 from hitab_machines.process_holders import running
 from hitab_ros.timing import DISCOVERY_S, HEARTBEAT_S
-
-OFFSET_MAX_S = 1.0
-"""Difference of clocks that is no fault, s; people compare logs by the second."""
 
 
 class MachineFaults:

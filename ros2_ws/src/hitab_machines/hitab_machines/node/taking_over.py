@@ -272,7 +272,7 @@ class TakingOver:
                 lambda: signs.publish(sign), is_free, DISCOVERY_S, AT_ONCE_S
             ):
                 return []
-            return [f"{owner} did not end {process}; what its agents learn from now on"]
+            return [f"{owner} did not end {process}; what its agents learn from now on is lost"]
         finally:
             # The host that starts here would take the claim for another one.
             self._node.destroy_publisher(rosters)
@@ -301,8 +301,8 @@ class TakingOver:
             return [f"{why}, and there is no whole copy of its files: {process} begins untrained"]
         missing = self._copies.missing(owner, self._learned.is_of(process))
         return [
-            f"{why}, and its copy is {age:.0f} s old: what was learned since then",
-            *(f"{path}, which is missing from the copy, with what it keeps" for path in missing),
+            f"{why}, and its copy is {age:.0f} s old: what was learned since then is lost",
+            *(f"{path} is missing from the copy: what it keeps is lost" for path in missing),
         ]
 
 
