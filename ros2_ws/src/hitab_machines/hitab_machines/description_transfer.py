@@ -6,7 +6,7 @@ import hashlib
 import re
 import shutil
 from collections.abc import Callable
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from hitab_msgs.msg import MachineFile, MachineStatus
 from hitab_msgs.srv import ReadFiles
@@ -16,6 +16,7 @@ from hitab_client import RosLink, SwarmError, domain_ids
 from hitab_client.connecting.identity import is_identity
 from hitab_core import HitabError, some
 from hitab_core.library.yaml_places import open_yaml
+from hitab_machines.files.shared_files import safe_path
 from hitab_ros import names, qos
 from hitab_ros.timing import START_S
 
@@ -118,13 +119,10 @@ _BY_HAND = "copy the swarm file and the files that it names by hand, and name th
 
 def _check(path: str, machine: str) -> None:
     """Refuse a path that leads out of its folder, or a file that is not data."""
-    plain = PurePosixPath(path)
-    leads_out = plain.is_absolute() or ".." in plain.parts or str(plain) != path
-    if leads_out or not path.isprintable() or "\\" in path:
-        raise SwarmError(
-            f'{machine} sends "{path[:80]}", which is not a path inside the description; '
-            f"{_BY_HAND}"
-        )
+    try:
+        plain = safe_path(path)
+    except HitabError as error:
+        raise SwarmError(f"{machine} sends files, but {error.problem}; {_BY_HAND}") from None
     if plain.suffix not in SUFFIXES:
         kinds = ", ".join(sorted(SUFFIXES))
         raise SwarmError(f"{machine} sends {path[:80]}, but only {kinds} are taken; {_BY_HAND}")
