@@ -51,7 +51,7 @@ BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
     "hitab_agent": 3000,
-    "hitab_bringup": 2850,
+    "hitab_bringup": 3050,
     "hitab_class": 200,
     "hitab_cli": 3300,
     "hitab_client": 4550,
@@ -66,7 +66,7 @@ BUDGET = {
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33700,
+    "tests": 33750,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
