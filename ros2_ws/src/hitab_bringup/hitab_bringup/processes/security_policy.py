@@ -237,7 +237,7 @@ class _Nodes:
         return self._node(WORLD, WORLD, WORLD, rights, remap)
 
     def _machine(self, machine: str) -> NodeRights:
-        topics = self._in_swarm(names.MACHINES, names.HOSTS)
+        topics = self._in_swarm(names.MACHINES, names.HOSTS, names.ALIVE)
         others = [f"{it}/{names.READ_FILES}" for it in self._machines if it != machine]
         rights = {
             "publish": [EVENTS, *topics],
