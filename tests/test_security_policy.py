@@ -56,7 +56,7 @@ READ = {
 CONSOLES = {("/", "hitab"), ("/", "hitab_studio")}
 ON_DEMAND = {
     # for a recorder; for members in other hosts; while agents move
-    "publish": ("perceived", "orders", "reports", "hosts"),
+    "publish": ("perceived", "orders", "reports", "hosts", "alive"),
     # of processes that were asked to wait for signs; while a process starts
     "subscribe": ("alive", "operators", "status", "hosts"),
 }
