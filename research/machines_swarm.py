@@ -24,16 +24,15 @@ COMMANDS = ("Forward", "RotateLeft", "Stop", "Forward")
 SWARM = """\
 swarm: thousand
 domain: foraging
-start_from: foraging
 world:
   kind: foraging
   factor: {factor}
   seed: 1
   parameters:
-    {{foragers: {agents}, width: {side}, height: {side}, obstacles: 6,
+    {{foragers: {agents}, width: {side}, height: {side}, obstacles: 6, duration: 36000.0,
       small_boxes: {boxes}, renew: true}}
 agents:
-  forager: {{count: {agents}}}
+  forager: {{count: {agents}, start_from: foraging}}
   robot_1: {{domain: "field_robots:DOMAIN", when_out_of_reach: halt}}
   robot_2: {{domain: "field_robots:DOMAIN"}}
 kinds:
@@ -59,12 +58,15 @@ class Person:
         from hitab_msgs.msg import WorldStatus
 
         from hitab_client import RosLink, RunFolder, Stops, SwarmClient
+        from hitab_machines import MachineSigns
         from hitab_ros import names, qos
 
         record = RunFolder(folder).read()
         self.link = RosLink(record.domain_id)
         self.agents = SwarmClient(self.link, record.agents, identity=record.identity)
         self.stops = Stops(self.link)
+        self._engaged = False
+        self.signs = MachineSigns(self.link.node, "", record.identity)
         self.world = WorldStatus()
         self.cycles = self.late = 0
         self.processes = record.processes
@@ -107,26 +109,15 @@ class Person:
         return found
 
     def train(self, agent: str) -> None:
-        """Save one behavior, give it to all others, and leave the training of another one."""
-        from hitab_core.operations import (
-            BeginTraining,
-            Command,
-            Distribute,
-            Perform,
-            SaveBehavior,
-        )
+        """Leave an agent with an unsaved training, performing something else."""
+        from hitab_core.operations import BeginTraining, Command, Perform
 
-        for name in ("Saved", "Unsaved"):
-            self.agents.do(agent, BeginTraining(name, features=["Done"]))
-            for command in COMMANDS:
-                self.agents.do(agent, Command(command))
-            if name == "Saved":
-                self.agents.do(agent, SaveBehavior())
-                mates = [name for name in self.agents.statuses if name.startswith("forager")]
-                report = self.agents.distribute(agent, Distribute("Saved", receivers=mates))
-                if report.missing:
-                    raise RuntimeError(f"not distributed: {report.missing}")
-        self.agents.do(agent, Perform("Stop"))
+        for operation in (
+            BeginTraining("Unsaved", features=["Done"]),
+            *map(Command, COMMANDS),
+            Perform("Stop"),
+        ):
+            self.agents.do(agent, operation)
 
     def order(self, order: str) -> float:
         """Have the chief order something; return how long it took until it acknowledged, s."""
@@ -137,7 +128,9 @@ class Person:
         while True:
             try:
                 self.agents.do("chief", Perform(order))
-                return time.monotonic() - began
+                took = time.monotonic() - began
+                print(f"{order}: acknowledged after {took:.1f} s", file=sys.stderr)
+                return took
             except SwarmError:
                 if time.monotonic() - began > LONG_S:
                     raise
@@ -145,7 +138,7 @@ class Person:
     def obey(self, order: str, without: list[str]) -> float:
         """Wait until all obey an order, except for some processes; return how long it took, s."""
         absent = {name for process in without for name in self.processes[process]}
-        began = time.monotonic()
+        began, last = time.monotonic(), list[str]()
 
         def disobeying() -> list[str]:
             return [
@@ -161,11 +154,17 @@ class Person:
                 behaviors = {name: self.agents.statuses[name].behavior for name in left[:5]}
                 raise TimeoutError(f"{len(left)} do not obey {order}, such as {behaviors}")
             self.link.spin_until(lambda: False, 0.05)
-            missing = {*self.world.missing}
+            missing, last = {*self.world.missing}, left
+        print(f"{order}: {len(last)} at last, such as {last[:3]}", file=sys.stderr)
         return time.monotonic() - began
 
     def stop(self, engaged: bool, seconds: float) -> dict[str, str]:
         """Stop or release all; return who has not confirmed, and why."""
+        from hitab_client import Stops
+
+        if engaged is not self._engaged:  # an object is for one stop or release
+            self.stops = Stops(self.link, switch=self.stops.switch)
+            self._engaged = engaged
         return self.stops.switch_all([self.stops], "research", engaged=engaged, seconds=seconds)
 
     def confirmed(self, seconds: float) -> float:
@@ -173,6 +172,13 @@ class Person:
         began = time.monotonic()
         if left := self.stop(True, seconds):
             raise TimeoutError(f"not confirmed: {left}")
+        return time.monotonic() - began
+
+    def silent(self, machine: str) -> float:
+        """Wait until a machine is silent; return how long it took, s."""
+        began = time.monotonic()
+        if not self.link.spin_until(lambda: machine in self.signs.silent(), LONG_S, 0.05):
+            raise TimeoutError(f"{machine} is not silent")
         return time.monotonic() - began
 
     def arm(self) -> None:
@@ -188,7 +194,7 @@ class Person:
 
         found: list[WorldState] = []
         subscription = self.link.subscribe(
-            WorldState, names.of_world(names.STATE), found.append, qos.LATCHED
+            WorldState, names.of_world(names.STATE), found.append, qos.LATCHED, temporary=True
         )
         self.link.spin_until(lambda: bool(found), LONG_S)
         self.link.node.destroy_subscription(subscription)
