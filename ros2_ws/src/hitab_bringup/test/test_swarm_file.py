@@ -1,5 +1,6 @@
 """Swarm descriptions: errors name the file, the line and the way out."""
 
+import time
 from pathlib import Path
 
 import pytest
@@ -153,3 +154,18 @@ def test_hosts_of_few_agents_open_all_endpoints_at_once(tmp_path, count, line, a
     text = f"swarm: s\ndomain: foraging\nhosts: 1\n{line}\nagents: {{ant: {{count: {count}}}}}\n"
     (host,) = processes(parse_swarm(text, tmp_path / "s.yaml"), tmp_path)
     assert host.parameters.get("all_endpoints", False) is all_at_once
+
+
+def test_a_large_group_is_read_about_as_fast_as_a_small_one():
+    def seconds(count: int) -> float:
+        text = f"""
+domain: foraging
+start_from: foraging
+agents: {{ant: {{count: {count}}}}}
+machines: {{lab_1: {{runs: ant}}}}
+"""
+        began = time.process_time()
+        parse_swarm(text, HERE)
+        return time.process_time() - began
+
+    assert min(seconds(300) for _ in range(3)) < 10.0 * min(seconds(1) for _ in range(3))

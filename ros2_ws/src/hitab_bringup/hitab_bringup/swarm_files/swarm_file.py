@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, TypeVar
@@ -234,7 +235,11 @@ class _Reader:
     def _start(self, text: str) -> Path:
         """Return an initial library: a folder, or a named library, as for `up -l`."""
         library = self._path.parent / text
-        return library if library.is_dir() else known_libraries().get(text, library)
+        return library if library.is_dir() else self._libraries.get(text, library)
+
+    @cached_property
+    def _libraries(self) -> dict[str, Path]:
+        return known_libraries()
 
     def _in_file(self, text: str) -> str:
         """Return the path of a file with a world or vocabulary; other names stay unchanged."""

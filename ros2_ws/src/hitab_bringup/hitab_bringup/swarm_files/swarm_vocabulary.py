@@ -33,6 +33,7 @@ class SwarmVocabulary:
         self._kept = kept
         self._domains = [point.name for point in entry_points(group=ENTRY_POINT_GROUP)]
         self._repertoires: dict[tuple[str, ...], Repertoire] = {}
+        self._robots: dict[str, bool] = {}  # a thousand agents have few domains
 
     def wrong_domain(self, name: str) -> str:
         """Return the fault of a domain's name; empty without one."""
@@ -53,7 +54,10 @@ class SwarmVocabulary:
 
     def has_robot(self, domain: str) -> bool:
         """Whether agents of a domain have links of their own, to robots, instead of a world's."""
-        return not self.wrong_domain(domain) and bool(load_domain(domain).link)
+        if domain not in self._robots:
+            known = not self.wrong_domain(domain)
+            self._robots[domain] = known and bool(load_domain(domain).link)
+        return self._robots[domain]
 
     def wrong_behavior(self, member: AgentDescription) -> str:
         """Return why a member cannot perform its initial behavior; empty if it may.
