@@ -77,8 +77,6 @@ def kill(swarm: Swarm, table: Table, kills: int, period: float, dice: random.Ran
 
 def lose(swarm: Swarm, table: Table) -> None:
     """Lose a machine, move its agents, and have it come back."""
-    from hitab_client.runs.run_processes import process_states
-
     until(lambda: copied(swarm), "copies of what was learned")
     began = time.monotonic()
     swarm.network.cut_off(MACHINES[LOST])
@@ -97,7 +95,7 @@ def lose(swarm: Swarm, table: Table) -> None:
     swarm.hitab(LOST, "up", str(swarm.file), "--machine", LOST)
 
     def yields() -> bool:
-        states = {s["name"]: s["statename"] for s in process_states(swarm.runs[LOST].read())}
+        states = {s["name"]: s["statename"] for s in swarm.states(LOST)}
         return states.get(f"{LOST}_host_1", "EXITED") == "EXITED"
 
     began = time.monotonic()
@@ -224,9 +222,13 @@ def main(
         measure(swarm, table, seconds / 4, f"{seconds / 4:g} s of peace")
         orders.extend(swarm.given)
 
+    def undisturbed(swarm: Swarm) -> None:
+        for order in orders:
+            swarm.obey(order)
+
     typer.echo(f"{agents} agents, {rate:g} Hz, one way {delay * 1e3:.0f} ms, {loss:.0%} lost")
     found = run("disturbed", delay, loss, disturbed)
-    wanted = run("undisturbed", 0.0, 0.0, lambda swarm: [swarm.obey(o) for o in orders] and None)
+    wanted = run("undisturbed", 0.0, 0.0, undisturbed)
     lines = differences(found, wanted)
     typer.echo(f"{len(orders)} orders; {len(found)} values, {len(lines)} differ")
     for line in lines:

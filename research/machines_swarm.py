@@ -62,6 +62,7 @@ class Person:
         from hitab_ros import names, qos
 
         record = RunFolder(folder).read()
+        assert record is not None, "the swarm is up"
         self.link = RosLink(record.domain_id)
         self.agents = SwarmClient(self.link, record.agents, identity=record.identity)
         self.stops = Stops(self.link)
@@ -218,7 +219,7 @@ class Person:
             for name, status in self.agents.statuses.items()
         }
         training = self.agents.training(agent)
-        examples = [asdict(example) for example in training.automaton.examples]
+        examples = [asdict(example) for example in training.examples]
         for example in examples:  # the world differs
             del example["cycle"], example["ago"]
         found["examples"] = {str(number): example for number, example in enumerate(examples)}
@@ -349,14 +350,19 @@ class Swarm:
         self.ask("obey", order, without)
         return time.monotonic() - began
 
-    def running(self) -> dict[tuple[str, str], int]:
-        """Return the processes that run, other than those of robots, with their numbers."""
+    def states(self, machine: str) -> list[dict[str, Any]]:
+        """Return the states of a machine's processes."""
         from hitab_client.runs.run_processes import process_states
 
+        record = self.runs[machine].read()
+        return process_states(record) if record is not None else []
+
+    def running(self) -> dict[tuple[str, str], int]:
+        """Return the processes that run, other than those of robots, with their numbers."""
         return {
             (machine, state["name"]): state["pid"]
-            for machine, run in self.runs.items()
-            for state in process_states(run.read())
+            for machine in self.runs
+            for state in self.states(machine)
             if state["statename"] == "RUNNING" and not state["name"].startswith("robot")
         }
 

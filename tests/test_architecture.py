@@ -66,7 +66,7 @@ BUDGET = {
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33750,
+    "tests": 33800,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

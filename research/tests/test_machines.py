@@ -1,4 +1,4 @@
-"""Agents on three machines end as undisturbed ones, whatever is killed, lost, moved and cut off."""
+"""Agents on three machines end as undisturbed ones, whatever is killed, lost, moved and cut."""
 
 import subprocess
 import sys
@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-RESEARCH = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(RESEARCH.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 from lossy_network import why_not
+
+RESEARCH = Path(__file__).resolve().parents[1]
 
 
 @pytest.mark.long
