@@ -27,10 +27,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from machines_swarm import MACHINES, TESTS, Swarm, until
+from machines_swarm import MACHINES, TESTS, Swarm, states, until
 
 LOST, MOVED_TO = "lab_3", "lab_2"
 CUT, DRIVERS = "lab_2", ("lab_2_host_1", "robot_1", "robot_2")
+LONG = 120.0
 
 
 class Table:
@@ -95,12 +96,12 @@ def lose(swarm: Swarm, table: Table) -> None:
     swarm.hitab(LOST, "up", str(swarm.file), "--machine", LOST)
 
     def yields() -> bool:
-        states = {s["name"]: s["statename"] for s in swarm.states(LOST)}
-        return states.get(f"{LOST}_host_1", "EXITED") == "EXITED"
+        return states(swarm.runs[LOST]).get(f"{LOST}_host_1", "EXITED") == "EXITED"
 
     began = time.monotonic()
     until(yields, f"{LOST} yields")
-    table.row(f"{LOST} back: yields", time.monotonic() - began)
+    swarm.ask("silent", LOST, False)
+    table.row(f"{LOST} up again: yields, is heard", time.monotonic() - began)
     table.row("order", swarm.obey("Work"))
     began = time.monotonic()
     swarm.hitab("lab_1", "move", f"{LOST}_host_1", "--to", LOST)
@@ -157,9 +158,6 @@ def cut(swarm: Swarm, table: Table, seconds: float) -> None:
     table.row("order", swarm.obey("Work"))
 
 
-LONG = 120.0
-
-
 def differences(found: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
     """Return what differs, a line each."""
     lines = []
@@ -172,7 +170,7 @@ def differences(found: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
 
 def main(
     agents: Annotated[int, typer.Option(help="Number of foragers.")] = 1000,
-    rate: Annotated[float, typer.Option(help="Cycles per second.")] = 8.0,
+    rate: Annotated[float, typer.Option(help="Cycles per second.")] = 5.0,
     seconds: Annotated[float, typer.Option(help="Duration of the undisturbed minute.")] = 60.0,
     kills: Annotated[int, typer.Option(help="Number of kills.")] = 20,
     period: Annotated[float, typer.Option(help="Time between two kills, s.")] = 4.0,

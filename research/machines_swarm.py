@@ -62,7 +62,7 @@ class Person:
         from hitab_ros import names, qos
 
         record = RunFolder(folder).read()
-        assert record is not None, "the swarm is up"
+        assert record is not None
         self.link = RosLink(record.domain_id)
         self.agents = SwarmClient(self.link, record.agents, identity=record.identity)
         self.stops = Stops(self.link)
@@ -129,9 +129,7 @@ class Person:
         while True:
             try:
                 self.agents.do("chief", Perform(order))
-                took = time.monotonic() - began
-                print(f"{order}: acknowledged after {took:.1f} s", file=sys.stderr)
-                return took
+                return time.monotonic() - began
             except SwarmError:
                 if time.monotonic() - began > LONG_S:
                     raise
@@ -139,7 +137,7 @@ class Person:
     def obey(self, order: str, without: list[str]) -> float:
         """Wait until all obey an order, except for some processes; return how long it took, s."""
         absent = {name for process in without for name in self.processes[process]}
-        began, last = time.monotonic(), list[str]()
+        began = time.monotonic()
 
         def disobeying() -> list[str]:
             return [
@@ -155,8 +153,7 @@ class Person:
                 behaviors = {name: self.agents.statuses[name].behavior for name in left[:5]}
                 raise TimeoutError(f"{len(left)} do not obey {order}, such as {behaviors}")
             self.link.spin_until(lambda: False, 0.05)
-            missing, last = {*self.world.missing}, left
-        print(f"{order}: {len(last)} at last, such as {last[:3]}", file=sys.stderr)
+            missing = {*self.world.missing}
         return time.monotonic() - began
 
     def stop(self, engaged: bool, seconds: float) -> dict[str, str]:
@@ -175,11 +172,12 @@ class Person:
             raise TimeoutError(f"not confirmed: {left}")
         return time.monotonic() - began
 
-    def silent(self, machine: str) -> float:
-        """Wait until a machine is silent; return how long it took, s."""
+    def silent(self, machine: str, silent: bool = True) -> float:
+        """Wait until a machine is silent, or heard again; return how long it took, s."""
         began = time.monotonic()
-        if not self.link.spin_until(lambda: machine in self.signs.silent(), LONG_S, 0.05):
-            raise TimeoutError(f"{machine} is not silent")
+        reached = lambda: (machine in self.signs.silent()) is silent  # noqa: E731
+        if not self.link.spin_until(reached, LONG_S, 0.05):
+            raise TimeoutError(f"{machine} is {'not silent' if silent else 'silent'}")
         return time.monotonic() - began
 
     def arm(self) -> None:
@@ -218,12 +216,23 @@ class Person:
             }
             for name, status in self.agents.statuses.items()
         }
-        training = self.agents.training(agent)
-        examples = [asdict(example) for example in training.examples]
+        examples = [asdict(example) for example in self._training(agent).examples]
         for example in examples:  # the world differs
             del example["cycle"], example["ago"]
         found["examples"] = {str(number): example for number, example in enumerate(examples)}
         return found
+
+    def _training(self, agent: str) -> Any:
+        """Return the training of an agent, which this program may have to discover first."""
+        from hitab_client import SwarmError
+
+        began = time.monotonic()
+        while True:
+            try:
+                return self.agents.training(agent)
+            except SwarmError:
+                if time.monotonic() - began > LONG_S:
+                    raise
 
 
 def _meant(name: str, order: str) -> str:
@@ -262,7 +271,9 @@ class Swarm:
             "FIELD": str(self.field),
             "PYTHONPATH": f"{TESTS}:{os.environ.get('PYTHONPATH', '')}",
         }
-        self.runs = {name: RunFolder(folder / f"home_{name}/thousand") for name in MACHINES}
+        self.runs: dict[str, Any] = {
+            name: RunFolder(folder / f"home_{name}/thousand") for name in MACHINES
+        }
         self.trained = f"forager_{agents}"
         self.given: list[str] = []
         self._logs = 0
@@ -350,25 +361,27 @@ class Swarm:
         self.ask("obey", order, without)
         return time.monotonic() - began
 
-    def states(self, machine: str) -> list[dict[str, Any]]:
-        """Return the states of a machine's processes."""
-        from hitab_client.runs.run_processes import process_states
-
-        record = self.runs[machine].read()
-        return process_states(record) if record is not None else []
-
     def running(self) -> dict[tuple[str, str], int]:
         """Return the processes that run, other than those of robots, with their numbers."""
+        from hitab_client.runs.run_processes import process_states
+
         return {
             (machine, state["name"]): state["pid"]
-            for machine in self.runs
-            for state in self.states(machine)
+            for machine, run in self.runs.items()
+            for state in process_states(run.read())
             if state["statename"] == "RUNNING" and not state["name"].startswith("robot")
         }
 
     def speeds(self) -> dict[str, list[str]]:
         """Return all speeds of the robots so far."""
         return {file.name: file.read_text().split() for file in sorted(self.field.iterdir())}
+
+
+def states(run: Any) -> dict[str, str]:
+    """Return the states of a machine's processes, by name."""
+    from hitab_client.runs.run_processes import process_states
+
+    return {state["name"]: state["statename"] for state in process_states(run.read())}
 
 
 def until(condition: Callable[[], bool], what: str, seconds: float = LONG_S) -> float:

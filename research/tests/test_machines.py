@@ -1,4 +1,4 @@
-"""Agents on three machines end as undisturbed ones, whatever is killed, lost, moved and cut."""
+"""Agents on three machines end as undisturbed ones, whatever is killed, lost and cut off."""
 
 import subprocess
 import sys
@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 from lossy_network import why_not
 
-RESEARCH = Path(__file__).resolve().parents[1]
+PROGRAM = Path(__file__).resolve().parents[1] / "machines.py"
 
 
 @pytest.mark.long
@@ -19,7 +19,7 @@ RESEARCH = Path(__file__).resolve().parents[1]
 def test_thirty_agents_end_as_undisturbed_ones():
     options = "--agents 30 --rate 5 --kills 6 --cuts 10 --seconds 5 --domain 61"
     done = subprocess.run(
-        [sys.executable, RESEARCH / "machines.py", *options.split()],
+        [sys.executable, PROGRAM, *options.split()],
         capture_output=True,
         text=True,
         check=False,
