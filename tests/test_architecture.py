@@ -51,7 +51,7 @@ BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
     "hitab_agent": 3000,
-    "hitab_bringup": 2800,
+    "hitab_bringup": 3050,
     "hitab_class": 200,
     "hitab_cli": 3300,
     "hitab_client": 4550,
@@ -59,14 +59,14 @@ BUDGET = {
     "hitab_core": 9750,
     "hitab_export": 900,
     "hitab_gamepad": 400,
-    "hitab_machines": 1250,
+    "hitab_machines": 1350,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1850,
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33350,
+    "tests": 33800,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

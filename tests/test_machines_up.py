@@ -6,10 +6,8 @@ a stub that runs the command in the namespace of its destination, in a terminal 
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -96,15 +94,6 @@ class Machines:
         for name, text in (("hitab", hitab), ("ssh", stub)):
             (self._programs / name).write_text(text)
             (self._programs / name).chmod(0o755)
-        if importlib.util.find_spec("hitab_machines.machine_main") is None:
-            self._stand_in()
-
-    def _stand_in(self) -> None:
-        """Let programs find a stand-in for the node of a machine."""
-        stand_in = Path(__file__).with_name("machine_stand_in.py")
-        shutil.copy(stand_in, self._programs / "machine_main.py")
-        line = f"import hitab_machines\nhitab_machines.__path__.append({str(self._programs)!r})\n"
-        (self._programs / "sitecustomize.py").write_text(line)
 
     def home(self, machine: str) -> Path:
         return self.folder / f"home_{machine}"

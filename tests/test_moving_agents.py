@@ -5,15 +5,17 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import psutil
 import pytest
 from hitab_msgs.msg import AgentStatus
+from lossy_network import shifted_clock
 from waiting import within
 
 from hitab_bringup import described_swarm
+from hitab_bringup.libraries.library_choice import shipped_libraries
 from hitab_bringup.processes import supervision
 from hitab_bringup.processes.bringing_up import bring_up
 from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient
@@ -38,12 +40,19 @@ Hitab = Callable[..., subprocess.CompletedProcess[str]]
 class Lab:
     """A swarm on two machines, each of which is a run folder."""
 
-    def __init__(self, place: Path, hitab: Hitab, more: str = "") -> None:
+    def __init__(
+        self,
+        place: Path,
+        hitab: Hitab,
+        more: str = "",
+        before: str = "",
+        machines: Sequence[str] = ("lab_1", "lab_2"),
+    ) -> None:
         self.file = place / "lab.yaml"
-        self.file.write_text(LAB % more)
+        self.file.write_text(before + LAB % more)
         self.folders = {name: RunFolder(place / name) for name in ("lab_1", "lab_2")}
         self._hitab = hitab
-        for name in self.folders:
+        for name in machines:
             self.up(name)
 
     def up(self, name: str) -> None:
@@ -189,6 +198,23 @@ def test_agents_of_a_lost_machine_are_moved_and_it_yields_when_it_is_back(
     supervision.stop(lab.folders["lab_2"])
     lab.up("lab_2")
     assert lab.state("lab_2") == "not there"
+
+
+def test_a_wrong_clock_and_another_library_of_a_machine_are_said_by_name(
+    hitab: Hitab, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = folder / "mine"
+    library.mkdir()
+    behavior = next(shipped_libraries()["keepaway"].glob("*.yaml"))
+    (library / behavior.name).write_bytes(behavior.read_bytes())
+    lab = Lab(folder, hitab, before="start_from: mine\n", machines=("lab_1",))
+    with (library / behavior.name).open("a") as file:
+        file.write("# learned since\n")
+    monkeypatch.setenv("CLOCK_SHIFT_S", "3")
+    monkeypatch.setenv("LD_PRELOAD", str(shifted_clock(folder)))
+    lab.up("lab_2")
+    assert lab.heard_saying("the clock of lab_2 is 3.0 s ahead of that of lab_1")
+    assert lab.heard_saying(f"lab_2 was started with other files: mine/{behavior.name}")
 
 
 def test_a_machine_takes_over_by_itself_if_the_file_says_so(hitab: Hitab, folder: Path) -> None:

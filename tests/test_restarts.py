@@ -177,8 +177,7 @@ def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm)
         kill_and_await(swarm, name)
         until(swarm, lambda name=name, file=file: str(file) in swarm.folder.log(name).read_text())
     assert swarm.agents.statuses[AGENT].mode == "idle"
-    assert swarm.world.status is not None
-    assert swarm.world.status.cycle == 0
+    until(swarm, lambda: swarm.world.status is not None and swarm.world.status.cycle == 0)
 
 
 @pytest.mark.parametrize("name", [AGENT, "world"])

@@ -15,7 +15,7 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten
-from hitab_ros import names, qos
+from hitab_ros import Lease, names, qos
 from hitab_ros.messages.pieces import publish_pieces
 
 SIZE = 10
@@ -72,7 +72,9 @@ class Swarm:
     ) -> None:
         self._process = process
         self.desk = desk = process.node
-        shared = HostResources(desk, is_host=True, on_demand=True, machine=machine)
+        shared = HostResources(
+            desk, is_host=True, on_demand=True, lease=Lease(machine, bool(machine))
+        )
         domain = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):

@@ -15,7 +15,15 @@ from hitab_agent.host.roster import read_roster
 from hitab_agent.host.roster_topic import RosterTopic
 from hitab_agent.scheduler import Scheduler
 from hitab_core.texts.errors import HitabError
-from hitab_ros import FinalError, HostRosters, Lease, check_name_is_free, names
+from hitab_ros import (
+    FinalError,
+    HostRosters,
+    Lease,
+    check_name_is_free,
+    give_signs_of_life,
+    names,
+    qos,
+)
 from hitab_ros.leases import NO_LEASE
 from hitab_ros.nodes.guarded_node import GuardedNode
 
@@ -56,7 +64,9 @@ def desk_of(process, name):
     return desk
 
 
-def roster_of(desk, agents, lease=NO_LEASE, give_up=None):
+def roster_of(desk, agents, lease=NO_LEASE, give_up=None, lives=True):
+    if lives:
+        give_signs_of_life(desk, "red-1")
     rosters = HostRosters(desk, f"/{names.HOSTS}", leases=bool(lease.number))
     return RosterTopic(desk, agents, "red-1", rosters, Scheduler(desk), lease, give_up)
 
@@ -102,12 +112,34 @@ def test_of_two_hosts_of_the_same_agents_the_one_with_the_older_lease_yields(pro
     assert not desk.guard.faults
 
 
+def test_a_roster_stops_no_host_until_its_own_gives_a_sign_of_life(process):
+    agents = [SimpleNamespace(agent_name="a")]
+    gave_up = []
+    mine = roster_of(desk_of(process, "a"), agents, Lease("lab_1", 1, "host_2"), gave_up.append)
+    mine.publish()
+    stray = desk_of(process, "stray")
+    publisher = stray.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    found = {"agents": ["a"], "swarm": "red-1", "machine": "lab_3", "lease": 99}
+    later = mine.number + 10**9
+    publisher.publish(msg.HostRoster(host="host_of_a", number=later, **found))
+    process.until(lambda: mine.number > later)  # its own name is taken back
+    heard = list[msg.Alive]()
+    process.node.create_subscription(msg.Alive, f"/{names.ALIVE}", heard.append, qos.SIGNS_OF_LIFE)
+    publisher.publish(msg.HostRoster(host="host_of_stray", number=later, **found))
+    process.until(lambda: len(heard) > 3)
+    assert gave_up == []
+    give_signs_of_life(stray, "red-1")
+    # The number of the stray roster in its name does not make its own ones old.
+    process.until(lambda: gave_up)
+
+
+@pytest.mark.parametrize("lives", [True, False])
 @pytest.mark.parametrize("number", [1, 3])
 def test_a_host_does_not_start_if_a_newer_lease_has_its_names_and_starts_if_an_older_one_has(
-    process, number
+    process, number, lives
 ):
     agents = [SimpleNamespace(agent_name="a")]
-    roster_of(desk_of(process, "other"), agents, Lease("lab_3", 2), None).publish()
+    roster_of(desk_of(process, "other"), agents, Lease("lab_3", 2), None, lives).publish()
     late = GuardedNode(
         "agent",
         namespace="/a",
@@ -122,7 +154,7 @@ def test_a_host_does_not_start_if_a_newer_lease_has_its_names_and_starts_if_an_o
         observer=process.node,
         lease=Lease("lab_1", number, "host_2"),
     )
-    if number == 3:
+    if number == 3 or not lives:
         check()
         return
     with pytest.raises(FinalError) as refused:

@@ -36,6 +36,10 @@ from .processes.run_logs import LogFile as LogFile
 from .processes.run_logs import LogLine as LogLine
 from .processes.run_logs import logs_of as logs_of
 from .processes.run_logs import new_lines as new_lines
+from .processes.security_policy import VERBS as VERBS
+from .processes.security_policy import NodeRights as NodeRights
+from .processes.security_policy import node_rights as node_rights
+from .processes.security_policy import security_policy as security_policy
 from .sizing import Needs as Needs
 from .sizing import lacks as lacks
 from .sizing import predict as predict
@@ -43,6 +47,7 @@ from .sizing import reduced as reduced
 from .sizing import refuse_untriable as refuse_untriable
 from .sizing import trial_sizes as trial_sizes
 from .sizing import try_out as try_out
+from .swarm_files.described_files import DESCRIPTION as DESCRIPTION
 from .swarm_files.described_files import described_files as described_files
 from .swarm_files.described_files import description_digest as description_digest
 from .swarm_files.swarm_description import AgentDescription as AgentDescription

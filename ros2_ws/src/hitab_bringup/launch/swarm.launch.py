@@ -101,7 +101,7 @@ def action(process: Process, common: dict[str, Any]) -> ExecuteProcess:
             {name: ParameterValue(value, value_type=type_of(value))}
             for name, value in process.parameters.items()
         ],
-        ros_arguments=["--disable-external-lib-logs"],
+        ros_arguments=["--disable-external-lib-logs", "--enclave", process.enclave],
         **common,
     )
 

@@ -10,6 +10,7 @@ from hitab_bringup import Leases, described_files, description_digest, parse_swa
 from hitab_bringup.processes import swarm_processes
 from hitab_bringup.processes.leases import as_leased
 from hitab_bringup.processes.swarm_processes import all_processes, process_names, processes
+from hitab_bringup.swarm_files.described_files import keep_description
 from hitab_client import DescriptionError, SwarmError
 
 HERE = Path("/somewhere/field.yaml")
@@ -146,6 +147,10 @@ def test_without_a_chosen_machine_all_runs_here_and_as_without_machines(tmp_path
         ("  ant_1: {}\n", '12: a second "ant_1" (see `ant`); rename one'),
         ("  world: {}\n", "12: `world:` a machine cannot be called this; rename it"),
         ("  a: {takes_over: b}\n", '12: `takes_over:` there is no other machine "b"'),
+        (
+            "  a: {takes_over: b}\n  b: {runs: squad_2, takes_over: a}\n",
+            "12: `takes_over:` of two machines that take over from each other, each would after a",
+        ),
         ("  a: {takes_over: a}\n", '12: `takes_over:` there is no other machine "a"'),
         ("  a: {ssh: -oProxyCommand=x}\n", '12: `ssh:` "-oProxyCommand=x" is not a destination'),
         ("  a: {hitab: hitab; rm x}\n", '12: `hitab:` "hitab; rm x" is not the path of a command'),
@@ -242,6 +247,25 @@ def test_the_files_that_a_swarm_file_names_keep_their_places(tmp_path):
     assert description_digest(read_swarm(copy / "swarms/field.yaml")) == before
     (copy / "swarms/kinds/squad.yaml").write_text("commander: Squad\norders: {Halt: Stop}\n")
     assert description_digest(read_swarm(copy / "swarms/field.yaml")) != before
+
+
+def test_a_swarm_keeps_what_it_was_started_with(tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "Go.hfa.yaml").write_text("x")
+    swarm = read_swarm(described(tmp_path, "../mine", "{orders: {Go: Stop}}"))
+    before = description_digest(swarm)
+    kept = keep_description(swarm, tmp_path / "run")
+    swarm.file.write_text("nonsense: [")
+    assert kept.is_relative_to(tmp_path / "run")
+    assert description_digest(read_swarm(kept)) == before
+    assert "mine/Go.hfa.yaml" in described_files(read_swarm(kept))
+    assert keep_description(read_swarm(kept), tmp_path / "run") == kept
+
+    (tmp_path / "hall.py").write_text(Path("examples/corridor.py").read_text())
+    hall = tmp_path / "hall.yaml"
+    hall.write_text("world: {kind: hall.py}\nagents: {agent: {count: 2}}\nmachines: {a: {}}\n")
+    before = description_digest(read_swarm(hall))
+    assert description_digest(read_swarm(keep_description(read_swarm(hall), tmp_path))) == before
 
 
 def test_shipped_libraries_are_not_sent_and_python_never(tmp_path):

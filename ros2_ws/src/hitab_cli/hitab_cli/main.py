@@ -66,7 +66,8 @@ class HitabGroup(TyperGroup):
 HELP_PANELS = {
     "Begin here": "begin.demo.demo begin.new.new",
     "Swarm": "swarm.swarm.up swarm.swarm.down swarm.status.status swarm.attention.attention "
-    "swarm.logs.logs swarm.move.move swarm.recording.record swarm.doctor.doctor swarm.size.size",
+    "swarm.logs.logs swarm.move.move swarm.recording.record swarm.doctor.doctor swarm.size.size "
+    "swarm.policy.policy",
     "Train": "perform.commanding.demonstrate train.driving.drive train.training.train "
     "train.training.start_testing train.training.undo train.training.redo train.training.save "
     "train.training.discard train.questions.questions",

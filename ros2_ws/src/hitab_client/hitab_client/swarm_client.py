@@ -246,7 +246,7 @@ class SwarmClient(AgentPresence):
         agents are all meant is asked once, and named instead of them.
         """
         within = self.processes.hosts_within({*agents})
-        hosts = {self.host_of(members[0]): members for members in within}
+        hosts = {host: members for members in within if (host := self.host_of(members[0]))}
         for host in hosts:
             self.link.will_call(srv.LoadLibrary, self._loading(host))
         for host, members in hosts.items():

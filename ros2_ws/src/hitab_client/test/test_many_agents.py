@@ -66,7 +66,9 @@ def watched(count: int) -> Iterator[tuple[Hosts, RosLink, Counter[str], RunProce
         counted: Counter[str] = Counter()
         for name in ("create_subscription", *GRAPH_QUERIES):
             setattr(link.node, name, _counting(counted, name, getattr(link.node, name)))
-        record: Any = SimpleNamespace(processes={"host_1": tuple(hosts.agents)}, world=False)
+        record: Any = SimpleNamespace(
+            processes={"host_1": tuple(hosts.agents)}, world=False, machines={}
+        )
         processes = RunProcesses(record)
         processes._ask = lambda: None  # type: ignore[method-assign]
         yield hosts, link, counted, processes

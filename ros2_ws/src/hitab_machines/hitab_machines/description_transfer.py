@@ -6,20 +6,19 @@ import hashlib
 import re
 import shutil
 from collections.abc import Callable
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from hitab_msgs.msg import MachineFile, MachineStatus
 from hitab_msgs.srv import ReadFiles
 
+from hitab_bringup import DESCRIPTION
 from hitab_client import RosLink, SwarmError, domain_ids
 from hitab_client.connecting.identity import is_identity
 from hitab_core import HitabError, some
 from hitab_core.library.yaml_places import open_yaml
+from hitab_machines.files.shared_files import safe_path
 from hitab_ros import names, qos
 from hitab_ros.timing import START_S
-
-FOLDER = "description"
-"""Folder in a run folder with the description that another machine has sent."""
 
 FILES_MAX = 2000
 """Maximum number of files of a description."""
@@ -49,7 +48,7 @@ def fetch_description(
     with RosLink(domain_ids.for_swarm(is_free=False), announce) as link:
         machine, prefix = _find_machine(link, swarm)
         files = _read_all(link, machine, f"{prefix}/{machine}/{names.READ_FILES}")
-    return _write(files, folder / FOLDER, machine)
+    return _write(files, folder / DESCRIPTION, machine)
 
 
 def _find_machine(link: RosLink, swarm: str) -> tuple[str, str]:
@@ -66,7 +65,7 @@ def _find_machine(link: RosLink, swarm: str) -> tuple[str, str]:
             def take(status: MachineStatus, prefix: str = prefix) -> None:
                 name = re.fullmatch(r"\w{1,100}", status.machine, re.ASCII)
                 if name is not None and is_identity(status.swarm):
-                    heard.add(status.swarm)
+                    heard.add(status.swarm.rpartition("-")[0])
                     if status.swarm.rpartition("-")[0] == swarm:
                         found[status.swarm, prefix] = status.machine
 
@@ -74,11 +73,11 @@ def _find_machine(link: RosLink, swarm: str) -> tuple[str, str]:
         return bool(found)
 
     if not link.spin_until(look, START_S, waiting_for=lambda: f"a machine of swarm {swarm}"):
-        others = f"; machines of {some(sorted(heard))} are up" if heard else ""
+        others = f" (machines of {some(sorted(heard))} are)" if heard else ""
         raise SwarmError(
             f"there is no file {swarm}, and no machine of a swarm {swarm} is up in ROS domain "
             f"{link.node.context.get_domain_id()}{others}: start first the machine that has the "
-            "file, or name the file"
+            "file, or name the file; `hitab doctor --network 10` shows which computers are heard"
         )
     (_, prefix), machine = min(found.items())
     return machine, prefix
@@ -120,13 +119,10 @@ _BY_HAND = "copy the swarm file and the files that it names by hand, and name th
 
 def _check(path: str, machine: str) -> None:
     """Refuse a path that leads out of its folder, or a file that is not data."""
-    plain = PurePosixPath(path)
-    leads_out = plain.is_absolute() or ".." in plain.parts or str(plain) != path
-    if leads_out or not path.isprintable() or "\\" in path:
-        raise SwarmError(
-            f'{machine} sends "{path[:80]}", which is not a path inside the description; '
-            f"{_BY_HAND}"
-        )
+    try:
+        plain = safe_path(path)
+    except HitabError as error:
+        raise SwarmError(f"{machine} sends files, but {error.problem}; {_BY_HAND}") from None
     if plain.suffix not in SUFFIXES:
         kinds = ", ".join(sorted(SUFFIXES))
         raise SwarmError(f"{machine} sends {path[:80]}, but only {kinds} are taken; {_BY_HAND}")

@@ -14,6 +14,7 @@ from hitab_client.connecting.dds_profile import RANGE, is_of_this_machine
 from hitab_client.terminal.cli_remedies import called
 from hitab_core import installed_version, some
 from hitab_machines.machine_signs import MachineSigns
+from hitab_machines.process_holders import running
 from hitab_ros.timing import DISCOVERY_S, FOUND_S
 
 Progress = Callable[[int, int, str], None]
@@ -85,6 +86,13 @@ def await_machines(
             f"not up yet: {some(left)}; start each on its computer, as with `{called()} up "
             f"{swarm.name} --machine {left[0]}`, which gets the swarm file from here"
         )
+    for name, status in statuses.items():
+        moved = [it for it in running(status) if it in record.machines[record.machine]]
+        if moved and name != record.machine:
+            yield (
+                f"{name} runs {some(moved)} now; `{called()} move {moved[0]} --to "
+                f"{record.machine}` moves it back"
+            )
     yield from _differences(swarm, statuses)
 
 

@@ -22,6 +22,9 @@ KEPT = 120
 FILTERED = 8
 """Number of latest answers of which the fastest tells delay and offset, as in NTP."""
 
+OFFSET_MAX_S = 1.0
+"""Difference of clocks that is no fault, s; people compare logs by the second."""
+
 MACHINES_MAX = 1000
 """Maximum number of machines, whatever is received."""
 

@@ -86,13 +86,10 @@ def move(processes: list[str], to: str, machines: SwarmMachines, progress: Progr
     Raises:
         SwarmError: if there is no such machine, or it is silent.
     """
-    record, holders = machines.record, machines.holders
+    record = machines.record
     if to not in record.machines:
         raise SwarmError(f'no machine "{to}" {has(record.machines, to)}')
-    moves = [Move(process, holders.newest_lease(process) + 1) for process in processes]
-    for one in moves:
-        if holders.holder(one.process) == to:
-            one.error = f"{one.process} is on {to} already"
+    moves = [Move(process, machines.holders.newest_lease(process) + 1) for process in processes]
     while pending := [one for one in moves if not (one.message or one.error)]:
         for one in pending:
             request = RunProcess.Request(process=one.process, lease=one.lease)

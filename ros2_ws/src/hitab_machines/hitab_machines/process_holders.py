@@ -13,6 +13,9 @@ from hitab_machines.machine_signs import MachineSigns
 RUNNING, STARTS, STOPPED, ENDED, YIELDED = "running", "starting", "stopped", "ended", "yielded"
 """States of a process; see MachineProcess.msg."""
 
+LEASE_MAX = 10**9
+"""Maximum number of a lease, whatever is received: leases count moves, and must not run out."""
+
 
 class ProcessHolders:
     """The machines and the processes that they have.
@@ -47,7 +50,7 @@ class ProcessHolders:
     def _reported(self, process: str) -> Iterator[tuple[str, MachineProcess]]:
         for machine, status in self.statuses().items():
             for inside in status.processes:
-                if inside.name == process:
+                if inside.name == process and inside.lease <= LEASE_MAX:
                     yield machine, inside
 
     def newest_lease(self, process: str) -> int:
@@ -57,16 +60,30 @@ class ProcessHolders:
         )
 
     def holder(self, process: str) -> str:
-        """Return the machine that has a process, or that of the swarm file; empty if unknown."""
+        """Return the machine that has a process; empty if unknown.
+
+        If none has, it is the one that had it last, or that of the swarm file.
+        """
         having = [
-            (-int(inside.lease), machine)
+            (inside.state == YIELDED, -int(inside.lease), machine)
             for machine, inside in self._reported(process)
-            if inside.state != YIELDED
         ]
         if having:
-            return min(having)[1]
+            return min(having)[2]
         machines = self._record.machines.items()
         return next((machine for machine, inside in machines if process in inside), "")
+
+    def has_yielded(self, process: str, machine: str, lease: int) -> bool:
+        """Whether a machine leaves a process to others from a lease on."""
+        return all(
+            inside.state == YIELDED and inside.lease >= lease
+            for other, inside in self._reported(process)
+            if other == machine
+        )
+
+    def state(self, process: str, machine: str) -> str:
+        """Return the state of a process on a machine; empty if it has none of this name."""
+        return next((one.state for name, one in self._reported(process) if name == machine), "")
 
     def held_by(self, machine: str) -> list[str]:
         """Return the processes with agents that a machine has."""

@@ -40,6 +40,12 @@ class SwarmMachines:
         """Wait until all machines are heard, or would have been."""
         self.link.spin_until(lambda: not self.silent(), SETTLE_S)
 
+    def heard_agents(self) -> list[str]:
+        """Return the agents on machines that are heard, or would have been; see `listen`."""
+        self.listen()
+        silent = self.silent()
+        return [name for name in self.record.agents if self.machine_of(name) not in silent]
+
     def silent(self) -> dict[str, float]:
         """Return the silent machines, with the time of silence, s; infinite if never heard.
 

@@ -66,10 +66,16 @@ def test_all_files_are_written_in_place_of_those_of_an_earlier_start(send: Send,
 @pytest.mark.parametrize(
     ("path", "expected"),
     [
-        ("../field.yaml", 'lab_1 sends "../field.yaml", which is not a path inside'),
-        ("/tmp/field.yaml", "which is not a path inside the description; copy the swarm file"),
-        ("a//field.yaml", "which is not a path inside"),
-        ("a\\..\\field.yaml", "which is not a path inside"),
+        (
+            "../field.yaml",
+            'lab_1 sends files, but "../field.yaml" is not a path in a shared folder',
+        ),
+        (
+            "/tmp/field.yaml",
+            'is not a path in a shared folder; paths are relative, without ".."; copy',
+        ),
+        ("a//field.yaml", "is not a path in a shared folder"),
+        ("a\\..\\field.yaml", "is not a path in a shared folder"),
         ("walk.py", r"lab_1 sends walk\.py, but only .* are taken; copy the swarm file"),
         (".bashrc", "but only .* are taken"),
     ],

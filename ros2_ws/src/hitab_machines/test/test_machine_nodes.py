@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import MachineStatus
+from hitab_msgs.msg import HostRoster, MachineStatus
 from hitab_msgs.srv import ReadFiles, ReadLog, RunProcess
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
 
 from hitab_bringup import parse_swarm
-from hitab_client import RunFolder, RunRecord
+from hitab_bringup.processes.leases import Leases
+from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_machines.node.machine_node import MachineNode
-from hitab_ros import make_node, names, qos
+from hitab_ros import give_signs_of_life, make_node, names, qos
+from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
 from hitab_ros.testing import context_of_its_own, spin_until
 
 SWARM = """\
@@ -38,6 +42,7 @@ class Lab:
         self.folder, self.context = folder, context
         self.executor = EventsExecutor(context=context)
         self.machines: list[MachineNode] = []
+        self.hosts: list[Node] = []
         self.asking = make_node("asking", context=context)
         self.executor.add_node(self.asking)
 
@@ -100,7 +105,7 @@ def lab(tmp_path: Path) -> Iterator[Lab]:
     with context_of_its_own() as context:
         lab = Lab(tmp_path, context)
         yield lab
-        for node in [*lab.machines, lab.asking]:
+        for node in [*lab.machines, *lab.hosts, lab.asking]:
             lab.executor.remove_node(node)
             node.destroy_node()
         lab.executor.shutdown()
@@ -133,7 +138,9 @@ def test_a_machine_that_was_started_twice_is_said_by_all(lab: Lab) -> None:
 
 
 def test_a_machine_that_never_came_is_said(lab: Lab) -> None:
-    lab.said(lab.start("lab_1"), "lab_2 was not heard since lab_1 started")
+    one = lab.start("lab_1")
+    lab.said(one, "lab_2 was not heard since lab_1 started")
+    lab.said(one, "look there and here with `hitab doctor --network 10`")
 
 
 def test_a_clock_that_is_off_is_said_with_what_depends_on_it(
@@ -223,6 +230,79 @@ def test_a_process_is_not_run_here_without_a_reason(lab: Lab) -> None:
         answer = lab.ask(RunProcess, "lab_1", names.RUN_PROCESS, process=process, lease=lease)
         assert not answer.success
         assert why in answer.message
+
+
+def live(lab: Lab, machine: str, lease: int) -> None:
+    """Be the host of lab_2's agents on a machine."""
+    host = names.of_host("keeper_2", machine)
+    desk = make_node("host", namespace=f"/{host}", context=lab.context)
+    lab.executor.add_node(desk)
+    lab.hosts.append(desk)
+    publisher = desk.create_publisher(HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    publisher.publish(
+        HostRoster(
+            host=host,
+            number=time.time_ns(),
+            agents=["keeper_2", "keeper_3"],
+            machine=machine,
+            lease=lease,
+            swarm="lab-12345678",
+        )
+    )
+    give_signs_of_life(desk, "lab-12345678")
+
+
+def test_a_process_that_does_not_start_here_is_given_back(
+    lab: Lab, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    process = "lab_2_host_1"
+
+    def states(record: RunRecord, seconds: float) -> list[dict[str, Any]]:
+        yielded = Leases(lab.folder / record.machine).is_yielded(process)
+        ended = {"statename": "EXITED", "exitstatus": DO_NOT_RESTART}
+        found = ended if yielded else {"statename": "RUNNING"}
+        return [{"name": process, **found}] if record.machine == "lab_2" else []
+
+    def add(folder: RunFolder, record: RunRecord, process: str, lease: int) -> None:
+        if record.machine == "lab_1":
+            raise SwarmError("its disk is full")
+        live(lab, record.machine, lease)
+
+    monkeypatch.setattr("hitab_machines.node.local_processes.process_states", states)
+    monkeypatch.setattr("hitab_machines.node.taking_over.add_process", add)
+    one = lab.start("lab_1")
+    lab.start("lab_2")
+    lab.wait(lambda: "lab_2" in one.signs.heard)
+    lab.wait(lambda: one.signs.heard["lab_2"].status.processes)
+    answers = []
+
+    def failed() -> bool:
+        fields = {"process": process, "lease": 2}
+        answers.append(lab.ask(RunProcess, "lab_1", names.RUN_PROCESS, **fields))
+        return not answers[-1].success
+
+    lab.wait(failed)
+    assert answers[-1].message == (
+        "its disk is full; lab_2_host_1 with 2 agents runs on lab_2 now (lease 3)"
+    )
+    kept = {name: Leases(lab.folder / name) for name in ("lab_1", "lab_2")}
+    assert {name: (it.of(process), it.is_yielded(process)) for name, it in kept.items()} == {
+        "lab_1": (3, True),
+        "lab_2": (3, False),
+    }
+
+
+def test_a_roster_alone_takes_no_process_from_a_machine(lab: Lab) -> None:
+    two = lab.start("lab_2")
+    publisher = lab.asking.create_publisher(HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    claim = {"agents": ["keeper_2", "keeper_3"], "machine": "lab_1", "swarm": "lab-12345678"}
+    publisher.publish(HostRoster(host="stray", number=time.time_ns(), lease=2, **claim))
+    lab.wait(lambda: publisher.get_subscription_count())
+    before = two.status.sequence
+    lab.wait(lambda: two.status.sequence > before + 2)
+    assert Leases(lab.folder / "lab_2").of("lab_2_host_1") == 1
+    live(lab, "lab_1", 2)
+    lab.wait(lambda: Leases(lab.folder / "lab_2").is_yielded("lab_2_host_1"))
 
 
 def test_statuses_of_another_swarm_and_of_nobody_are_harmless(lab: Lab) -> None:

@@ -46,6 +46,14 @@ def rank(roster: HostRoster) -> tuple[tuple[int, str], int, str]:
     return Lease(roster.machine, roster.lease).rank, -roster.number, roster.host
 
 
+def is_later(roster: HostRoster, known: HostRoster) -> bool:
+    """Whether a roster replaces another one of the same host: by its start, whatever its lease.
+
+    So a host takes back what somebody else has published in its name.
+    """
+    return (roster.number, roster.lease) > (known.number, known.lease)
+
+
 def holders(rosters: Iterable[HostRoster]) -> list[HostRoster]:
     """Return the rosters, of those that list an agent, whose hosts hold it.
 

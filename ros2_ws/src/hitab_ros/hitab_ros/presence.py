@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from hitab_ros import names, qos
-from hitab_ros.leases import holders, rank
+from hitab_ros.leases import holders, is_later
 from hitab_ros.nodes.steady_timer import steady_timer
 from hitab_ros.timing import HEARTBEAT_S, POLL_S, SILENT_AFTER_S
 
@@ -125,6 +125,9 @@ class Presence:
 class HostRosters:
     """Rosters of a swarm's hosts: which process runs an agent or commander.
 
+    Where leases count, a roster takes agents away, so it counts from the first sign of life of
+    its host on: not if it is the leftover of one that was lost, or a stray message.
+
     Args:
         node: node to subscribe with.
         topic: full name of the topic of rosters.
@@ -150,18 +153,35 @@ class HostRosters:
         self.hosts_of: dict[str, tuple[str, ...]] = {}
         self._listing: dict[str, set[str]] = {}  # the hosts that list each name
         self._accept = accept
-        self._leases = leases
         self.changed: list[Callable[[HostRoster], object]] = []
-        node.create_subscription(HostRoster, topic, self._take, ROSTERS)
+        self._unconfirmed: dict[str, HostRoster] = {}
+        hear = self._hear if leases else self._hear_without_lease
+        node.create_subscription(HostRoster, topic, hear, ROSTERS)
+        if leases:
+            alive = f"{topic.removesuffix(names.HOSTS)}{names.ALIVE}"
+            node.create_subscription(Alive, alive, self._hear_sign, qos.SIGNS_OF_LIFE)
+
+    def _hear_without_lease(self, roster: HostRoster) -> None:
+        roster.lease, roster.machine = 0, ""
+        if self._is_news(roster, self.rosters):
+            self._take(roster)
+
+    def _hear(self, roster: HostRoster) -> None:
+        if self._is_news(roster, self.rosters) and self._is_news(roster, self._unconfirmed):
+            self._unconfirmed[roster.host] = roster
+
+    def _hear_sign(self, sign: Alive) -> None:
+        roster = self._unconfirmed.get(sign.process)
+        if roster is not None and roster.swarm == sign.swarm:
+            self._take(self._unconfirmed.pop(sign.process))
+
+    def _is_news(self, roster: HostRoster, among: dict[str, HostRoster]) -> bool:
+        known = among.get(roster.host)
+        is_later_one = len(among) < HOSTS_MAX if known is None else is_later(roster, known)
+        return is_later_one and self._accept(roster)
 
     def _take(self, roster: HostRoster) -> None:
-        if not self._leases:
-            roster.lease, roster.machine = 0, ""
         host, known = roster.host, self.rosters.get(roster.host)
-        if known is None and len(self.rosters) >= HOSTS_MAX:
-            return
-        if (known is not None and rank(known) <= rank(roster)) or not self._accept(roster):
-            return
         self.rosters[host] = roster
         for name in known.agents if known is not None else ():
             self._listing[name].discard(host)

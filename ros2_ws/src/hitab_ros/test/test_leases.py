@@ -25,6 +25,8 @@ def listener(*heard: HostRoster, leases: bool = True) -> HostRosters:
     rosters = HostRosters(node, "/hosts", leases=leases)
     for one in heard:
         takes[0](copy.deepcopy(one))
+        for hear_sign in takes[1:]:
+            hear_sign(Alive(process=one.host))
     return rosters
 
 
@@ -94,16 +96,28 @@ def test_signs_of_life_come_from_the_holder_of_an_agent():
         create_subscription=lambda kind, topic, take, qos: takes.append(take)
     )
     signs = SignsOfLife(node, "", lambda name, swarm: True, leases=True)
-    hear_roster, hear_sign = takes
+    hear_roster, *hear_sign = takes
+
+    def sign(process: str) -> set[str]:
+        signs.last_signs.clear()
+        for hear in hear_sign:
+            hear(Alive(process=process))
+        return {*signs.last_signs}
+
     hear_roster(roster("old", "lab_1", 1, 9))
-    hear_sign(Alive(process="old"))
-    assert signs.last_signs.keys() == {"a"}
-    signs.last_signs.clear()
+    assert sign("old") == {"a"}
     hear_roster(roster("new", "lab_3", 2, 1))
-    hear_sign(Alive(process="old"))
-    assert not signs.last_signs
-    hear_sign(Alive(process="new"))
-    assert signs.last_signs.keys() == {"a"}
+    assert sign("old") == {"a"}, "a roster alone takes nothing away"
+    assert sign("new") == {"a"}
+    assert sign("old") == set()
+
+
+def test_a_host_takes_back_what_was_published_in_its_name():
+    mine = roster("x", "lab_1", 1, 5, "ab")
+    rosters = listener(mine, roster("x", "lab_1", 99, 6, "c"))
+    assert rosters.hosts_of["c"] == ("x",)
+    rosters = listener(*rosters.rosters.values(), roster("x", "lab_1", 1, 7, "ab"))
+    assert rosters.hosts_of == {"a": ("x",), "b": ("x",), "c": ()}
 
 
 def test_a_host_says_to_whom_it_yields():

@@ -33,6 +33,7 @@ class StandIn:
         target: the target to be found by the studio.
         nonsense: whether keeper_2 gives invalid answers.
         alive: processes that give signs of life.
+        node: the node with which it publishes.
     """
 
     def __init__(self, context: Any) -> None:
@@ -42,21 +43,21 @@ class StandIn:
         self._cycle = self._reading = 0
         self._context = context
         self._ending = threading.Event()
-        self._node = rclpy.create_node("stand_in", context=context, enable_rosout=False)
-        self._state = self._node.create_publisher(msg.WorldState, "/world/state", qos.LATCHED)
-        self._signs = self._node.create_publisher(msg.Alive, "/alive", qos.SIGNS_OF_LIFE)
-        self._node.create_timer(0.02, self._show)
+        self.node = rclpy.create_node("stand_in", context=context, enable_rosout=False)
+        self._state = self.node.create_publisher(msg.WorldState, "/world/state", qos.LATCHED)
+        self._signs = self.node.create_publisher(msg.Alive, "/alive", qos.SIGNS_OF_LIFE)
+        self.node.create_timer(0.02, self._show)
         self._statuses = {}
         for agent in self.target.agents:
-            status = self._node.create_publisher(msg.AgentStatus, f"/{agent}/status", qos.LATCHED)
+            status = self.node.create_publisher(msg.AgentStatus, f"/{agent}/status", qos.LATCHED)
             status.publish(msg.AgentStatus(agent=agent, mode="idle", domain="stand_in"))
             self._statuses[agent] = status
-            self._node.create_service(
+            self.node.create_service(
                 srv.GetVocabulary,
                 f"/{agent}/get_vocabulary",
                 lambda _, answer, agent=agent: self._vocabulary(agent, answer),
             )
-            self._node.create_service(
+            self.node.create_service(
                 srv.ReadFeatures, f"/{agent}/read_features", self._read_features
             )
         self._thread = threading.Thread(target=self._spin)
@@ -73,7 +74,7 @@ class StandIn:
 
     def belong_to(self, identity: str) -> None:
         """Publish this identity of the swarm from now on."""
-        self._world = self._node.create_publisher(msg.WorldStatus, "/world/status", qos.LATCHED)
+        self._world = self.node.create_publisher(msg.WorldStatus, "/world/status", qos.LATCHED)
         self._world.publish(msg.WorldStatus(world="stand_in", swarm=identity))
         for agent, publisher in self._statuses.items():
             publisher.publish(
@@ -98,11 +99,11 @@ class StandIn:
 
     def _spin(self) -> None:
         executor = EventsExecutor(context=self._context)
-        executor.add_node(self._node)
+        executor.add_node(self.node)
         while not self._ending.is_set():
             executor.spin_once(timeout_sec=0.02)
-        executor.remove_node(self._node)
-        self._node.destroy_node()
+        executor.remove_node(self.node)
+        self.node.destroy_node()
         executor.shutdown()
 
     def close(self) -> None:

@@ -13,6 +13,7 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 
 from hitab_ros import names, qos
+from hitab_ros.messages.pieces import PieceReader
 from hitab_ros.messages.stamps import time_of
 from hitab_ros.nodes.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, spin_until
@@ -99,6 +100,14 @@ class Swarm:
             )
 
         node.create_subscription(msg.PerceptBatch, names.PERCEPTS, answer, qos.CYCLE)
+        if "machine" in roster:
+            node.create_subscription(
+                msg.PerceptBatch,
+                names.PERCEPT_PIECES,
+                answer,
+                qos.PIECES,
+                read=PieceReader(msg.PerceptBatch),
+            )
         rosters = node.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
         given = {"number": 1, "swarm": "pond-1", **roster}
         rosters.publish(msg.HostRoster(host=name, agents=listed, **given))
@@ -212,6 +221,19 @@ def test_a_newer_lease_takes_the_agents_and_an_old_one_that_comes_back_is_refuse
         "the host old lists keeper_1, keeper_2, keeper_3, which new runs on lab_3 (lease 2): "
         "refused, since it has lease 1; it should yield by itself, else end old"
     )
+
+
+def test_a_roster_without_a_host_takes_no_agents_whatever_its_lease(swarm):
+    swarm.start_world(MACHINES, hosts=1)
+    swarm.host("host", machine="lab_2", lease=3)
+    held = dict.fromkeys(KEEPERS, "host")
+    swarm.plays_with(**held)
+    stray = swarm.node("stray")
+    rosters = stray.create_publisher(msg.HostRoster, f"/{names.HOSTS}", qos.LATCHED)
+    claim = {"agents": [*KEEPERS], "swarm": "pond-1", "machine": "lab_1", "lease": 99}
+    rosters.publish(msg.HostRoster(host="stray", number=9, **claim))
+    swarm.until(lambda: stray.count_publishers("/stray/percepts"))
+    swarm.plays_with(**held)
 
 
 def test_of_equal_leases_the_machine_whose_name_comes_first_stays(swarm):

@@ -112,8 +112,8 @@ class RosterTopic:
             self.publish(self._wrong)
 
     def _hear(self, roster: msg.HostRoster) -> None:
-        is_of_own_name = roster.host == self._name
-        if is_of_own_name and roster.agents != self._agents:
+        is_of_own_name, lease = roster.host == self._name, Lease(roster.machine, roster.lease)
+        if is_of_own_name and (roster.agents != self._agents or lease.rank != self._lease.rank):
             self._wrong = roster.number
             return
         both = set(self._agents).intersection(roster.agents)

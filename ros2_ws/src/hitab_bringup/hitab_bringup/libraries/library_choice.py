@@ -68,6 +68,16 @@ def libraries_meant(
     folder, record = found
     _load_worlds(folder.path)
     used = libraries_of(folder.path)
+    if agent is not None and agent not in used and agent in record.agents:
+        process = next(name for name, inside in record.processes.items() if agent in inside)
+        moved = f"{record.swarm}/{process}"
+        here = (
+            f", or choose its library here with -l {moved}" if moved in known_libraries() else ""
+        )
+        raise SwarmError(
+            f"{agent} is of another machine than {record.machine}, which keeps its library; ask "
+            f"there{here}"
+        )
     if agent is not None and agent not in used:
         raise SwarmError(f'no agent "{agent}" in swarm {record.swarm} {has(used, agent)}')
     libraries: dict[Path, list[str]] = {}

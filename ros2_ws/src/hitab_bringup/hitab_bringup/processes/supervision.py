@@ -27,6 +27,7 @@ from hitab_bringup.processes.supervisor_config import (
     write_commands,
 )
 from hitab_bringup.processes.swarm_processes import all_processes, process_names, processes
+from hitab_bringup.swarm_files.described_files import keep_description
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.connecting.dds_profile import RANGE, choose_profile, profile_for
@@ -82,6 +83,7 @@ def launch(
     folder.prepare()
     stop(folder)
     prepare(swarm, folder.path)
+    description = keep_description(swarm, folder.path) if swarm.machine else swarm.file
     socket = folder.socket_path()
     identity = swarm.identity()
     started = processes(swarm, folder.path, identity)
@@ -95,7 +97,7 @@ def launch(
     supervisor = _spawn(variables, folder, temporary)
     record = RunRecord(
         swarm.name,
-        str(swarm.file.resolve()),
+        str(description.resolve()),
         domain_id,
         variables[RANGE],
         swarm.agent_names,

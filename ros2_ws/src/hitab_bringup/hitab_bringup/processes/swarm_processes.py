@@ -54,7 +54,8 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     if not swarm.machine:
         return found
     here = process_names(swarm, found)[swarm.machine]
-    node = Process(swarm.machine, MACHINE_MODULE, (), swarm.full_name(swarm.machine))
+    space, enclave = swarm.full_name(swarm.machine), swarm.enclave(swarm.machine)
+    node = Process(swarm.machine, MACHINE_MODULE, (), space, enclave=enclave)
     return [*(process for process in found if process.name in here), node]
 
 
@@ -85,13 +86,13 @@ def all_processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> 
     """
     own = {"swarm": identity} if identity else {}
     found = [] if swarm.world is None else [_world(swarm, swarm.world, folder, own)]
-    shared = _shared(swarm)
+    shared = shared_members(swarm)
     alone = {**own, "services_on_demand": True} if len(shared) > EAGER_PROCESSES_MAX else own
     leases = Leases(folder)
     for name, members in shared.items():
         first = members[0]
         names = tuple(member.name for member in members)
-        if not _is_host(swarm, members):
+        if not is_host(swarm, members):
             module = COMMANDER_MODULE if isinstance(first, CommanderDescription) else AGENT_MODULE
             space, remap = swarm.full_name(name), swarm.remap(first.remap)
             settings = {**_settings(first, folder), **alone}
@@ -113,12 +114,13 @@ def all_processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> 
         )
     started = {(process.module, process.namespace) for process in found}
     companions = _companions(swarm, folder)
-    return [*found, *(p for p in companions if (p.module, p.namespace) not in started)]
+    found += [p for p in companions if (p.module, p.namespace) not in started]
+    return [replace(process, enclave=swarm.enclave(process.name)) for process in found]
 
 
-def _is_host(swarm: SwarmDescription, members: Sequence[AgentDescription]) -> bool:
+def is_host(swarm: SwarmDescription, members: Sequence[AgentDescription]) -> bool:
     """Whether a process is a host; on several machines all are, since hosts have leases."""
-    return bool(swarm.machine) or [m.name for m in members] != [members[0].process]
+    return bool(swarm.machines) or [m.name for m in members] != [members[0].process]
 
 
 def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
@@ -136,7 +138,7 @@ def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
             yield Process(name, module, (), space, remap, {**agent.parameters, **more})
 
 
-def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
+def shared_members(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
     """Return the members of each shared process."""
     shared: dict[str, list[AgentDescription]] = {}
     for member in swarm.members:
@@ -146,7 +148,7 @@ def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
 
 def write_rosters(swarm: SwarmDescription, folder: Path) -> None:
     """Write a file for each host with its members and their settings."""
-    for name, members in _shared(swarm).items():
+    for name, members in shared_members(swarm).items():
         roster = [
             {
                 "name": member.name,
@@ -178,7 +180,7 @@ def _world(
         "factor": world.factor,
         "seed": world.seed,
         "paused": world.paused,
-        "hosts": sum(_hosts_bodies(swarm, members) for members in _shared(swarm).values()),
+        "hosts": sum(_hosts_bodies(swarm, members) for members in shared_members(swarm).values()),
         "state_dir": _state(folder),
         **{f"parameters.{name}": value for name, value in world.parameters.items()},
         **own,
@@ -191,7 +193,7 @@ def _world(
 
 def _hosts_bodies(swarm: SwarmDescription, members: Sequence[AgentDescription]) -> bool:
     """Whether a process is a host whose members include agents of a world."""
-    return _is_host(swarm, members) and not all(
+    return is_host(swarm, members) and not all(
         isinstance(m, CommanderDescription) for m in members
     )
 

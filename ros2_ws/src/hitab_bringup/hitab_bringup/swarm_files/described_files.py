@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterator
+import shutil
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from hitab_bringup.libraries.library_choice import known_libraries, shipped_libraries
@@ -16,6 +17,9 @@ from hitab_client import DescriptionError
 from hitab_core import installed_version
 from hitab_core.library.yaml_models import open_record
 from hitab_core.library.yaml_places import open_yaml
+
+DESCRIPTION = "description"
+"""Folder in a run folder with the files that describe the swarm."""
 
 
 def described_files(swarm: SwarmDescription) -> dict[str, Path]:
@@ -33,6 +37,30 @@ def described_files(swarm: SwarmDescription) -> dict[str, Path]:
             f"{swarm.file}: {code[0]} is a Python file, which is not sent to other machines; copy "
             "it there beside this file, and start with the file's path"
         )
+    return _by_relative_path(_files(swarm, lines, base))
+
+
+def keep_description(swarm: SwarmDescription, folder: Path) -> Path:
+    """Copy what describes a swarm into its run folder, so that later edits change nothing.
+
+    Returns:
+        The copy of the swarm file.
+    """
+    kept = (folder / DESCRIPTION).resolve()
+    if swarm.file.resolve().is_relative_to(kept):
+        return swarm.file  # another machine has sent it
+    lines, base = _lines(swarm), _folder(swarm)
+    code = {_normal(base / text): base / text for text in _code(lines)}
+    shutil.rmtree(kept, ignore_errors=True)
+    files = _by_relative_path(_files(swarm, lines, base) | code)
+    for path, file in files.items():
+        (kept / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, kept / path)
+    return next(kept / path for path, file in files.items() if file == swarm.file)
+
+
+def _files(swarm: SwarmDescription, lines: SwarmLines, base: Path) -> dict[str, Path]:
+    """Return the files that describe a swarm, without Python files, by their normal paths."""
     found = {_normal(base / swarm.file.name): swarm.file, **_kinds(lines, base)}
     shipped = {path.resolve() for path in shipped_libraries().values()}
     for line in (lines, *lines.agents.values(), *lines.commanders.values()):
@@ -44,6 +72,10 @@ def described_files(swarm: SwarmDescription) -> dict[str, Path]:
                 for file in sorted(library.iterdir())
                 if file.is_file() and not file.name.startswith(".")
             }
+    return found
+
+
+def _by_relative_path(found: Mapping[str, Path]) -> dict[str, Path]:
     root = os.path.commonpath([os.path.dirname(path) for path in found])
     return {Path(path).relative_to(root).as_posix(): file for path, file in found.items()}
 

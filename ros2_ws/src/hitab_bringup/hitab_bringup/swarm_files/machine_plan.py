@@ -65,7 +65,14 @@ class MachinePlan:
                 elif other != machine:
                     text = f'`runs:` "{name}" also runs on "{other}"; remove it from one of them'
                     self._tell(machine, "runs", text)
-            others = self._file.machines.keys() - {machine}
+            machines = self._file.machines
+            others = machines.keys() - {machine}
+            if len(others) == 1 and line.takes_over and machines[min(others)].takes_over:
+                text = (
+                    "`takes_over:` of two machines that take over from each other, each would "
+                    "after a cut; remove it from one of them, or add a third machine"
+                )
+                self._tell(machine, "takes_over", text)
             for name in (name for name in line.takes_over if name not in others):
                 text = f'`takes_over:` there is no other machine "{name}" {has(others, name)}'
                 self._tell(machine, "takes_over", text)

@@ -138,6 +138,7 @@ class Process:
         remap, parameters: remappings and parameters of the nodes.
         is_node: whether the process takes arguments for ROS.
         agents: names of the agents in the process.
+        enclave: path of the keys and rights of the process, if ROS's security is on.
     """
 
     name: str
@@ -148,6 +149,7 @@ class Process:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     is_node: bool = True
     agents: tuple[str, ...] = ()
+    enclave: str = "/"
 
     @property
     def program(self) -> list[str]:
@@ -160,7 +162,7 @@ class Process:
         line = self.program
         if not self.is_node:
             return line
-        line += ["--ros-args", "--disable-external-lib-logs"]
+        line += ["--ros-args", "--disable-external-lib-logs", "--enclave", self.enclave]
         if self.namespace:
             line += ["-r", f"__ns:={self.namespace}"]
         for name, other in self.remap.items():
@@ -261,6 +263,10 @@ class SwarmDescription:
     def full_name(self, name: str) -> str:
         """Return a name in the namespace of the swarm, such as ``/left/robot_1``."""
         return name if name.startswith("/") else f"{self.namespace}/{name}".rstrip("/")
+
+    def enclave(self, process: str) -> str:
+        """Return the enclave of a process, such as ``/keepaway/keeper_1``."""
+        return f"/{self.name}/{process}"
 
     def remap(self, given: Mapping[str, str]) -> dict[str, str]:
         """Return a node's remappings, with the swarm's own clock if it has a namespace."""

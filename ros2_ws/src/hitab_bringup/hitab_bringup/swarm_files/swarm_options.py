@@ -9,7 +9,7 @@ from hitab_bringup.libraries.library_choice import with_library
 from hitab_bringup.swarm_files.swarm_description import SwarmDescription
 from hitab_bringup.swarm_files.swarm_file import parse_swarm, read_swarm
 from hitab_client.runs.shipped import find_file
-from hitab_core import HitabError
+from hitab_core import VOCABULARY_NAME, HitabError
 from hitab_world import simulation_in
 
 
@@ -35,7 +35,7 @@ def described_swarm(
     elif agents:
         raise HitabError(f"--agents is for a world in one file; {swarm} lists its agents itself")
     else:
-        described = read_swarm(find_file(swarm, "swarms", "swarm"), run_dir)
+        described = read_swarm(_file(swarm), run_dir)
     if namespace:
         described = described.in_namespace(namespace)
     if use_sim_time:
@@ -54,6 +54,16 @@ def described_swarm(
             "out --library, and write `start_from:` in the swarm file"
         )
     return with_library(described, library)
+
+
+def _file(swarm: str) -> Path:
+    try:
+        return find_file(swarm, "swarms", "swarm")
+    except HitabError as error:
+        if VOCABULARY_NAME.match(swarm) is None:
+            raise
+        way = "if another machine has the file, say which this is: --machine NAME"
+        raise HitabError(f"{error}; {way}") from None
 
 
 def _of_simulation(path: Path, agents: int, run_dir: Path | None) -> SwarmDescription:

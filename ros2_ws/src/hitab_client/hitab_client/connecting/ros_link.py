@@ -51,7 +51,7 @@ class RosLink(Caller):
         before = udp_sockets()
         try:
             rclpy.init(
-                args=["--ros-args", "--disable-external-lib-logs"],
+                args=["--ros-args", "--disable-external-lib-logs", "--enclave", f"/{name}"],
                 context=self._context,
                 domain_id=domain_id,
                 signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,

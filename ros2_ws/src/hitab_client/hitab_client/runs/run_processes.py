@@ -175,15 +175,22 @@ class RunProcesses:
             if self.is_lost(process):
                 yield from members
 
+    @property
+    def have_leases(self) -> bool:
+        """Whether the swarm is on several machines, where all agents are in hosts with leases."""
+        return self._record is not None and bool(self._record.machines)
+
+    def _is_host(self, members: Sequence[str]) -> bool:
+        return len(members) > (not self.have_leases)
+
     def is_hosted(self, name: str) -> bool:
         """Whether an agent or commander runs in a host."""
-        fewest = 1 if self._record is not None and self._record.machines else 2
-        return len(self._members.get(self.process_of(name), ())) >= fewest
+        return self._is_host(self._members.get(self.process_of(name), ()))
 
     def hosts_within(self, agents: Set[str]) -> list[Sequence[str]]:
         """Return the agents of each host all of whose agents are among these."""
-        shared = (names for names in self._members.values() if len(names) > 1)
-        return [names for names in shared if agents >= {*names}]
+        hosts = filter(self._is_host, self._members.values())
+        return [names for names in hosts if agents >= {*names}]
 
     def pid(self, name: str) -> int:
         """Return the process id of an agent or the world; 0 if unknown."""

@@ -92,8 +92,11 @@ class AgentPresence(SwarmListener):
         return name in self._hosts or self.processes.is_hosted(name)
 
     def host_of(self, name: str) -> str:
-        """Return the name of the host of an agent or commander; the first names it."""
-        return self._hosts.get(name, names.of_host(name))
+        """Return the name of the host of an agent or commander, which the first agent names.
+
+        It is empty if the host has not been heard, and may be on any machine.
+        """
+        return self._hosts.get(name, "" if self.processes.have_leases else names.of_host(name))
 
     def _hear_hosts(self) -> None:
         if not self._hears_hosts:
@@ -151,6 +154,7 @@ class AgentPresence(SwarmListener):
             self.link.node,
             self.prefix,
             lambda name, owner: is_own(owner, self.identity, started_by_it=name in started),
+            leases=self.processes.have_leases,
         )
 
     def is_lost(self, name: str) -> bool:

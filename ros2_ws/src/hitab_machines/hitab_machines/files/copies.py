@@ -17,12 +17,15 @@ from hitab_core import HitabError
 from hitab_machines.files.shared_files import READ_MAX, SharedFiles, digest_of, safe_path
 from hitab_machines.node.jobs import Jobs
 from hitab_ros import names
-from hitab_ros.call import SwarmError
+from hitab_ros.call import RequestRefused, SwarmError
 from hitab_ros.names import WORLD
 from hitab_ros.timing import REPEAT_S
 
 COPIED = ("libraries", "state")
 """Folders in a run folder with what agents have learned."""
+
+PROBLEMS_MAX = 3
+"""Maximum number of files that an error names."""
 
 
 def copied_folders(run_folder: Path) -> SharedFiles:
@@ -58,6 +61,11 @@ class Copies:
             return time.time() - self._mark(machine).stat().st_mtime
         return None
 
+    def missing(self, machine: str, wanted: Callable[[str], bool]) -> list[str]:
+        """Return the wanted files of a machine that its last copy had, and that are gone."""
+        listed = self._mark(machine).read_text(encoding="utf-8").splitlines()
+        return [path for path in listed if wanted(path) and not (self.of(machine) / path).exists()]
+
     def follow(self, machine: str, token: str) -> None:
         """Copy what has changed in a machine's files.
 
@@ -73,17 +81,20 @@ class Copies:
             self._jobs.start(f"copy of {machine}", self._follow(machine, token))
 
     async def _follow(self, machine: str, token: str) -> None:
-        await self.bring(machine)
+        paths = await self.bring(machine)
         self._mark(machine).parent.mkdir(parents=True, exist_ok=True)
-        self._mark(machine).touch()
+        self._mark(machine).write_text("\n".join(paths), encoding="utf-8")
         self._tokens[machine] = token
 
-    async def bring(self, machine: str, wanted: Callable[[str], bool] = lambda path: True) -> None:
-        """Copy what has changed in the wanted files of a machine.
+    async def bring(
+        self, machine: str, wanted: Callable[[str], bool] = lambda path: True
+    ) -> list[str]:
+        """Copy what has changed in the wanted files of a machine, and return their paths.
 
         Raises:
-            SwarmError: if the machine does not answer, or a file cannot be copied.
+            SwarmError: if the machine does not answer, or a file cannot be copied; the others are.
         """
+        problems: list[str] = []
         local = self._files.setdefault(machine, copied_folders(self.of(machine)))
         listed = {
             file.path: file.digest
@@ -97,16 +108,23 @@ class Copies:
         for folders in _batches(listed, have):
             while folders:
                 paths = [path for _, files in folders for path in files]
-                found = {
-                    file.path: file
-                    for file in await self.read(machine, ReadFiles.Request.RUN, paths)
-                }
+                try:
+                    answer = await self.read(machine, ReadFiles.Request.RUN, paths)
+                except RequestRefused as error:
+                    answer, why = (), error.problem
+                else:
+                    why = f"{folders[0][0]} is too large to be copied from {machine}"
+                found = {file.path: file for file in answer}
                 whole = [files for _, files in folders if found.keys() >= {*files}]
                 if not whole:
-                    raise SwarmError(f"{folders[0][0]} is too large to be copied from {machine}")
+                    problems.append(why)
+                    folders = folders[1:]
                 for files in whole:
                     _install(self.of(machine), [found[path] for path in files])
                 folders = folders[len(whole) :]
+        if problems:
+            raise SwarmError("; ".join(problems[:PROBLEMS_MAX]))
+        return [*listed]
 
     async def read(self, machine: str, kind: str, paths: list[str] | None = None) -> Any:
         """Return the files of a machine: a list, or the contents of some.

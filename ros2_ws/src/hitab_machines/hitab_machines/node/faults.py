@@ -7,12 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from hitab_msgs.msg import MachineStatus
 
 from hitab_core import some
-from hitab_machines.machine_signs import MachineSigns
+from hitab_machines.machine_signs import OFFSET_MAX_S, MachineSigns
 from hitab_machines.process_holders import running
 from hitab_ros.timing import DISCOVERY_S, HEARTBEAT_S
-
-OFFSET_MAX_S = 1.0
-"""Difference of clocks that is no fault, s; people compare logs by the second."""
 
 
 class MachineFaults:
@@ -49,7 +46,8 @@ class MachineFaults:
             if name not in heard and name != self._machine and up_s > DISCOVERY_S:
                 yield (
                     f"{name} was not heard since {self._machine} started; start it there with "
-                    f"`hitab up FILE --machine {name}`, or look there with `hitab doctor`"
+                    f"`hitab up FILE --machine {name}`, or look there and here with `hitab doctor "
+                    "--network 10`"
                 )
         for name, machine in sorted(heard.items()):
             status = machine.status

@@ -8,7 +8,7 @@ import sys
 import time
 from typing import Any
 
-from hitab_msgs.msg import HostRoster, MachineFile, MachineStatus
+from hitab_msgs.msg import MachineFile, MachineStatus
 from hitab_msgs.srv import ReadFiles, ReadLog, RunProcess
 from std_srvs.srv import Trigger
 
@@ -25,7 +25,7 @@ from hitab_machines.node.jobs import Jobs
 from hitab_machines.node.local_processes import LocalProcesses
 from hitab_machines.node.taking_over import TakingOver
 from hitab_machines.process_holders import ProcessHolders
-from hitab_ros import ROSTERS, GuardedNode, names, steady_timer
+from hitab_ros import GuardedNode, HostRosters, names, steady_timer
 from hitab_ros.timing import REPEAT_S, UPDATE_S
 
 NODE = "machine"
@@ -82,7 +82,8 @@ class MachineNode(GuardedNode):
         self.create_service(RunProcess, names.RUN_PROCESS, self._taking_over.serve)
         self.create_service(Trigger, names.TAKE_DOWN, self._take_down)
         hosts = names.of_swarm(names.HOSTS, prefix)
-        self.create_subscription(HostRoster, hosts, self._taking_over.hear, ROSTERS)
+        rosters = HostRosters(self, hosts, lambda one: one.swarm == record.identity, leases=True)
+        rosters.changed.append(self._taking_over.hear)
         steady_timer(self, UPDATE_S, self._look)
 
     def _fill(self, status: MachineStatus) -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from hitab_msgs.msg import HostRoster
+from hitab_msgs.msg import Alive, HostRoster, MachineStatus
 from hitab_msgs.srv import RunProcess
 
 from hitab_bringup import SwarmDescription
@@ -17,15 +17,19 @@ from hitab_core import HitabError, has, load_domain, quantity, some
 from hitab_machines.files.copies import Copies
 from hitab_machines.files.learned_files import LearnedFiles
 from hitab_machines.node.jobs import Jobs
-from hitab_machines.process_holders import ProcessHolders, running
-from hitab_ros import GuardedNode, names, qos
+from hitab_machines.node.lost_machines import to_take_over
+from hitab_machines.process_holders import ENDED, RUNNING, ProcessHolders, running
+from hitab_ros import GuardedNode, Lease, names, qos
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.call import SwarmError
+from hitab_ros.call import SwarmError, turn
 from hitab_ros.names import WORLD
-from hitab_ros.timing import DISCOVERY_S, FOUND_S, PROMPT_S, START_S
-
-TAKE_OVER_AFTER_S = PROMPT_S + FOUND_S
-"""Silence of a machine, s, after which others take its processes over, if the file says so."""
+from hitab_ros.timing import (
+    AT_ONCE_S,
+    DISCOVERY_S,
+    HEARTBEAT_S,
+    SILENT_AFTER_S,
+    START_S,
+)
 
 LEASE_AHEAD_MAX = 1000
 """Maximum lead of a lease over the newest known one: leases count moves, and must not run out."""
@@ -73,7 +77,7 @@ class TakingOver:
         self._folder, self._record = folder, record
         self._learned = LearnedFiles(swarm, folder.path)
         self._rescuers = {
-            lost.name: [m.name for m in swarm.machines if lost.name in m.takes_over]
+            lost.name: {m.name for m in swarm.machines if lost.name in m.takes_over}
             for lost in swarm.machines
         }
         # A domain takes 13 ms to load, and a thousand agents have few.
@@ -97,29 +101,26 @@ class TakingOver:
         return response
 
     def hear(self, roster: HostRoster) -> None:
-        """Take the roster of a host: a newer lease elsewhere ends that of this machine."""
+        """Take the roster of a living host: a newer lease elsewhere ends that of this machine."""
         process, record = self._process_of.get(next(iter(roster.agents), "")), self._record
         if process is None or roster.swarm != record.identity:
             return
         if roster.machine == record.machine:
             self._rosters[process] = roster
         elif roster.machine in record.machines and self._is_here(process):
-            own = self._leases.of(process)
-            newer = (roster.lease, record.machine) > (own, roster.machine)
-            if newer and roster.lease <= own + LEASE_AHEAD_MAX:
+            own = Lease(record.machine, self._leases.of(process))
+            is_newer = Lease(roster.machine, roster.lease).rank < own.rank
+            if is_newer and roster.lease <= own.number + LEASE_AHEAD_MAX:
                 self._leases.give_up(process, roster.lease)
+                self._node.get_logger().warning(
+                    f"{process} runs on {roster.machine} now (lease {roster.lease}); what its "
+                    f"agents have learned here since the last copy stays in {self._folder.path}"
+                )
 
     def look(self, silent: Mapping[str, float]) -> None:
         """Take over the processes of machines that are lost, if the swarm file says so."""
-        own, others = self._record.machine, {*self._record.machines} - {self._record.machine}
-        reached = {own} | {name for name in others if name in self._signs.heard} - silent.keys()
-        # The smaller part of a network that is divided leaves everything to the larger one.
-        if 2 * len(reached) < len(self._record.machines):
-            return
-        for lost, seconds in silent.items():
-            able = reached.intersection(self._rescuers.get(lost, ()))
-            if seconds < TAKE_OVER_AFTER_S or own != min(able, default=""):
-                continue
+        hears = {name: {*_heard(heard.status)} for name, heard in self._signs.heard.items()}
+        for lost in to_take_over(self._record.machine, self._rescuers, silent, hears):
             for process in running(self._signs.heard[lost].status):
                 lease = self._holders.newest_lease(process) + 1
                 is_free = self._holders.holder(process) == lost and not self._robots_in(process)
@@ -163,7 +164,7 @@ class TakingOver:
             )
         if self._jobs.is_running(_job(process)):
             raise HitabError(f"{process} is just being started on {here}; ask again in a moment")
-        if self._is_here(process):
+        if self._is_here(process) and self._holders.state(process, here) != ENDED:
             raise HitabError(f"{process} runs on {here} already")
         known = self._holders.newest_lease(process)
         if not known < lease <= known + LEASE_AHEAD_MAX:
@@ -183,73 +184,134 @@ class TakingOver:
             f"{process} with {quantity(len(agents), 'agent')} runs on {self._record.machine} now "
             f"(lease {lease})"
         )
+        self._node.get_logger().info("; ".join([outcome.message, *outcome.lost]))
 
     async def _start(self, process: str, lease: int) -> list[str]:
-        owner, claimed_ns = self._holders.holder(process), time.time_ns()
-        lost = [*await self._claim(process, lease, owner), *await self._bring(process, owner)]
-        if owner:
-            lost += self._learned.install(process, self._copies.of(owner), self._is_here)
+        owner, lost = self._holders.holder(process), list[str]()
+        # Two machines that both cannot start it would give it back to each other for ever.
+        it_ran = self._holders.state(process, owner) == RUNNING
+        try:
+            if owner != self._record.machine:  # else nobody has learned anything since
+                lost += await self._claim(process, lease, owner)
+                lost += await self._bring(process, owner)
+            await self._host(process, lease)
+        except Exception as error:
+            raise SwarmError(
+                f"{what_went_wrong(error)}; {await self._give_back(process, lease, owner, it_ran)}"
+            ) from error
+        return lost
+
+    async def _host(self, process: str, lease: int) -> None:
+        """Start the host under a lease that is claimed, and wait until it lives."""
+        began_ns = time.time_ns()  # the claim was before
         self._leases.take(process, lease)
         add_process(self._folder, self._record, process, lease)
 
         def is_up() -> bool:
             roster = self._rosters.get(process)
-            return roster is not None and roster.lease == lease and roster.number > claimed_ns
+            return roster is not None and roster.lease == lease and roster.number > began_ns
 
         if not await self._jobs.until(is_up, START_S):
             raise SwarmError(
                 f"{process} did not start on {self._record.machine}: "
                 f"{' '.join(self._folder.tail(process, 1))} (log: {self._folder.log(process)})"
             )
-        return lost
+
+    async def _give_back(self, process: str, lease: int, owner: str, it_ran: bool) -> str:
+        """Have the machine that had a process start it again; return what came of it."""
+        if not it_ran or owner in self._signs.silent():
+            return f"{process} runs nowhere: `hitab move {process} --to MACHINE` tries again"
+        request = RunProcess.Request(process=process, lease=lease + 1)
+        try:
+            return await self._ask_to_run(owner, request)
+        except SwarmError as error:
+            return f"{owner} does not take {process} back: {error.problem}"
+
+    async def _ask_to_run(self, machine: str, request: RunProcess.Request) -> str:
+        """Have another machine run a process, and wait until it does; return what it says."""
+        service = names.of_agent(machine, names.RUN_PROCESS, self._record.namespace)
+        while True:
+            answer = await self._jobs.call.coroutine(
+                RunProcess,
+                service,
+                request,
+                missing=lambda: SwarmError(f"the machine {machine} does not answer"),
+                where=machine,
+            )
+            if answer.message:
+                return str(answer.message)
+            await turn(HEARTBEAT_S)
 
     async def _claim(self, process: str, lease: int, owner: str) -> list[str]:
         """Have the host on another machine yield; return what may be lost."""
         if owner not in self._signs.heard:
             return []
-        agents, machine = self._record.processes[process], self._record.machine
-        topic = names.of_swarm(names.HOSTS, self._record.namespace)
-        publisher = self._node.create_publisher(HostRoster, topic, qos.LATCHED, temporary=True)
+        record, agents = self._record, self._record.processes[process]
+        host = names.of_host(agents[0], record.machine)
+        hosts, alive = (
+            names.of_swarm(name, record.namespace) for name in (names.HOSTS, names.ALIVE)
+        )
+        rosters = self._node.create_publisher(HostRoster, hosts, qos.LATCHED, temporary=True)
+        signs = self._node.create_publisher(Alive, alive, qos.SIGNS_OF_LIFE, temporary=True)
 
-        def has_yielded() -> bool:
-            status = self._signs.heard[owner].status
-            return owner in self._signs.silent() or process not in running(status)
+        def is_free() -> bool:
+            is_silent = owner in self._signs.silent()
+            return is_silent or self._holders.has_yielded(process, owner, lease)
 
         try:
-            publisher.publish(
+            rosters.publish(
                 HostRoster(
-                    host=names.of_host(agents[0], machine),
+                    host=host,
                     number=time.time_ns(),
                     agents=agents,
-                    machine=machine,
+                    machine=record.machine,
                     lease=lease,
-                    swarm=self._record.identity,
+                    swarm=record.identity,
                 )
             )
-            if await self._jobs.until(has_yielded, DISCOVERY_S):
+            # A roster alone stops no host.
+            sign = Alive(process=host, swarm=record.identity)
+            if await self._jobs.repeat(
+                lambda: signs.publish(sign), is_free, DISCOVERY_S, AT_ONCE_S
+            ):
                 return []
-            return [f"{owner} did not end {process}; what its agents learn from now on"]
+            return [f"{owner} did not end {process}; what its agents learn from now on is lost"]
         finally:
             # The host that starts here would take the claim for another one.
-            self._node.destroy_publisher(publisher)
+            self._node.destroy_publisher(rosters)
+            self._node.destroy_publisher(signs)
 
     async def _bring(self, process: str, owner: str) -> list[str]:
-        """Copy what the agents of a process have learned; return what may be lost."""
+        """Install what the agents of a process have learned; return what may be lost."""
         if not owner:
             return ["no machine is known to have it: it begins with what is here"]
+        lost = await self._copy(process, owner)
+        return [*lost, *self._learned.install(process, self._copies.of(owner), self._is_here)]
+
+    async def _copy(self, process: str, owner: str) -> list[str]:
+        """Copy what the agents of a process have learned; return what may be lost."""
         silence = self._signs.silent().get(owner)
         if silence is None and owner in self._signs.heard:
             try:
                 await self._copies.bring(owner, self._learned.is_of(process))
                 return []
-            except SwarmError as error:
+            except HitabError as error:
                 why = error.problem
         else:
             why = f"{owner} is silent" + ("" if silence is None else f" for {silence:.0f} s")
         age = self._copies.age(owner)
         if age is None:
-            return [f"{why}, and there is no copy of its files: {process} begins untrained"]
-        return [f"{why}, and its copy is {age:.0f} s old: what was learned since then"]
+            return [f"{why}, and there is no whole copy of its files: {process} begins untrained"]
+        missing = self._copies.missing(owner, self._learned.is_of(process))
+        return [
+            f"{why}, and its copy is {age:.0f} s old: what was learned since then is lost",
+            *(f"{path} is missing from the copy: what it keeps is lost" for path in missing),
+        ]
+
+
+def _heard(status: MachineStatus) -> Iterator[str]:
+    """Yield the machines that a machine hears."""
+    return (link.machine for link in status.links if link.age < SILENT_AFTER_S)
 
 
 def _job(process: str) -> str:

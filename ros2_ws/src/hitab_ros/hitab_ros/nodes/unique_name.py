@@ -46,7 +46,7 @@ def check_name_is_free(
             yield.
 
     Raises:
-        FinalError: if a host with a newer lease has one of the names.
+        FinalError: if a host with a newer lease has one of the names, and gives signs of life.
         NameTakenError: if a name is taken; names the agent that is already up, and its swarm
             if that is another one. If two start at once, one of them gives way.
         HitabError: if a name is taken by a node of the same swarm.
@@ -57,7 +57,8 @@ def check_name_is_free(
     observer = observer or nodes[0]
     named = {names.own_name(node): node for node in nodes}
 
-    newer = list[HostRoster]()
+    newer = dict[str, HostRoster]()
+    living = set[str]()
     yielding = set[str]()
 
     def hear_roster(roster: HostRoster) -> None:
@@ -67,7 +68,7 @@ def check_name_is_free(
         elif both:
             theirs = Lease(roster.machine, roster.lease).rank
             if theirs < lease.rank:
-                newer.append(roster)
+                newer[roster.host] = roster
             elif theirs > lease.rank:
                 yielding.update(both)
             else:
@@ -75,6 +76,13 @@ def check_name_is_free(
 
     topic = names.in_swarm(observer, names.HOSTS)
     rosters = observer.create_subscription(HostRoster, topic, hear_roster, ROSTERS, temporary=True)
+    signs = observer.create_subscription(
+        Alive,
+        names.in_swarm(observer, names.ALIVE),
+        lambda sign: living.add(sign.process) if lease.number else None,
+        qos.SIGNS_OF_LIFE,
+        temporary=True,
+    )
     # The identifier of an endpoint that can only be this process's reveals its other endpoints.
     # Its random part is a setting without effect, since security policies allow no random names.
     lifespan = Duration(seconds=1 + secrets.randbelow(2**31 - 2))  # the range that DDS announces
@@ -89,9 +97,12 @@ def check_name_is_free(
         if end.qos_profile.lifespan == lifespan
     }
     observer.destroy_publisher(marked)
+    if newer:  # it may be a leftover, or a stray message
+        spinning.spin_until(lambda: not living.isdisjoint(newer), FOUND_S)
     observer.destroy_subscription(rosters)
-    for roster in newer:
-        raise FinalError(lease.why_yield(roster))
+    observer.destroy_subscription(signs)
+    for host in newer.keys() & living:
+        raise FinalError(lease.why_yield(newer[host]))
     for name, swarm in established.items():
         raise _taken(name, swarm, _swarm_of(named[name]))
     topics = {topic for topic, _ in observer.get_topic_names_and_types()}

@@ -1,33 +1,35 @@
-"""What deserves a look in the connected swarm."""
+"""What deserves a look in the connected swarm, and its machines."""
 
 from __future__ import annotations
 
 import time
+from typing import Any
 
 from hitab_client import SwarmClient
-from hitab_client.attention import Attention, Item, Machines, Seen
+from hitab_client.attention import Attention, Machines, Seen
 from hitab_ros.timing import HEARTBEAT_S
 from hitab_studio.swarm.processes import Processes
 from hitab_studio.swarm.swarm_state import SwarmState
 
 
 class AttentionWatch:
-    """Ranks what deserves a look, from what the studio knows."""
+    """Ranks what deserves a look, from what the studio knows and its machines tell."""
 
     def __init__(self, agents: SwarmClient, processes: Processes) -> None:
         self._attention = Attention(processes.process_of)
         self._machines = Machines(agents)
         self._next = 0.0
 
-    def look(self, known: SwarmState) -> tuple[Item, ...]:
-        """Return the items, the most important first; to be called periodically."""
+    def look(self, known: SwarmState) -> dict[str, Any]:
+        """Return the changes of the known state; to be called periodically."""
         if (now := time.monotonic()) < self._next:
-            return known.attention
+            return {}
         self._next = now + HEARTBEAT_S
         scene, world = known.shown, known.world
         places = {}
         if scene is not None:
             places = dict(zip(scene.names, map(tuple, scene.places[:, :2].tolist()), strict=True))
+        silent = self._machines.silent()
         seen = Seen(
             known.statuses,
             known.groups,
@@ -36,7 +38,12 @@ class AttentionWatch:
             places,
             now if scene is None else scene.seconds,
             self._machines.statuses,
-            self._machines.silent(),
+            silent,
         )
-        items = tuple(self._attention.look(seen, now))
-        return items if items != known.attention else known.attention
+        since = {name: known.machines.get(name) or now - age for name, age in silent.items()}
+        found = {
+            "attention": tuple(self._attention.look(seen, now)),
+            "machines": dict.fromkeys(self._machines.statuses) | since,
+            "machine_of": self._machines.machine_of(),
+        }
+        return {name: it for name, it in found.items() if it != getattr(known, name)}

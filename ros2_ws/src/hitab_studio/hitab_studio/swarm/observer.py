@@ -175,8 +175,8 @@ class Observer:
             self._reports = self._commanders.reports
             self._know(groups=MappingProxyType(dict(self._commanders.groups)))
         self._listen()
-        if (items := self._attention.look(self.known)) is not self.known.attention:
-            self._know(attention=items)
+        if changes := self._attention.look(self.known):
+            self._know(**changes)
         wanted = {page.agent for page in self._pages.values()} - {""}
         followed = wanted if self._agents.is_large else wanted | heard
         for agent in followed & statuses.keys() - self._events.keys():

@@ -43,6 +43,9 @@ class SwarmState:
         moments: scenes of the recorded examples.
         elsewhere: identities of swarms that were started elsewhere, if none was started here.
         attention: what deserves a look, the most important first.
+        machines: the machines of the swarm that were heard, by name, each with the time of its
+            last sign on the monotonic clock, s, if it is silent; None otherwise.
+        machine_of: machine of each agent in a swarm with machines, by the agent's name.
         emergency: the known emergency stops.
         stopped_at: time at which the first of these was heard, on the wall clock, s.
         recording: the file of the run being recorded; "" if none.
@@ -63,6 +66,8 @@ class SwarmState:
     moments: Mapping[Key, Scene] = field(default_factory=lambda: NO_ITEMS)
     elsewhere: tuple[str, ...] = ()
     attention: tuple[Item, ...] = ()
+    machines: Mapping[str, float | None] = field(default_factory=lambda: NO_ITEMS)
+    machine_of: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
     emergency: KnownStops = field(default_factory=KnownStops)
     stopped_at: float = 0.0
     recording: str = ""

@@ -118,6 +118,7 @@ def _row(page: Page, status: Any, name: str) -> dict[str, Any]:
         "state": state or (status.behavior if status is not None else ""),
         "color": studio.palette.color(state),
         "absence": (absence(studio.known, name) or "") if live else "",
+        "machine": studio.known.machine_of.get(name, "") if live else "",
         "lock": "" if holder is None else ("you" if page.is_same(holder) else holder.name),
         "order": group.order if group is not None else "",
         "obeying": sum(member.obeys for member in group.subordinates) if group is not None else 0,

@@ -9,7 +9,7 @@ from hitab_core import FLAGS, START, BoundedNumber, Fix, Term, some
 from hitab_ros.names import WORLD
 from hitab_studio.actions.teaching_actions import targets_asked, targets_meant
 from hitab_studio.pages.page import Page
-from hitab_studio.swarm.absence import absence
+from hitab_studio.swarm.absence import absence, silent_machines
 from hitab_studio.swarm.launcher import NONE, unknown
 from hitab_studio.views import robot_sensors
 from hitab_studio.views.label_strip import strip
@@ -39,6 +39,8 @@ def context(page: Page) -> dict[str, Any]:
     return {
         "absent": absence(known, page.agent) if live and page.agent else None,
         "world_absent": world_absent,
+        "runs_on": known.machine_of.get(page.agent, "") if live else "",
+        "silent_machines": silent_machines(known) if live else {},
         "stale": live and bool(world_absent or nothing[0]),
         "lost_off": _lost_off(page),
         "stuck": _stuck(page),

@@ -26,6 +26,7 @@ def context(page: Page) -> dict[str, Any]:
     statuses = studio.known.statuses.values()
     superiors = {status.agent: status.order.commander for status in statuses}
     halting = [status.agent for status in statuses if status.when_out_of_reach == "halt"]
+    ran = Counter(studio.known.machine_of.values())
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
@@ -39,6 +40,7 @@ def context(page: Page) -> dict[str, Any]:
         "items": studio.known.attention[:ITEMS_MAX],
         "more_items": len(studio.known.attention[ITEMS_MAX:]),
         "stoppable": _stoppable(page),
+        "machines": {m: ran[m] for m in sorted(studio.known.machines, key=natural)},
         "choices": choices(page),
         "absences": {w: some(sorted(who, key=natural)) for w, who in absent(studio.known).items()},
         "halting": some(in_groups(halting, superiors)),

@@ -11,7 +11,7 @@ from rclpy.qos import QoSProfile
 
 from hitab_core import some
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.leases import rank
+from hitab_ros.leases import is_later, rank
 from hitab_ros.messages.pieces import PIECE_BYTES, PieceReader, publish_pieces
 from hitab_world.node.percept_batches import Sensed, percept_batches
 from hitab_world.simulating.lockstep import Answer
@@ -66,11 +66,12 @@ class _Host:
     Attributes:
         roster: the announcement.
         answered: whether the host has answered percepts.
+        listens: whether the host was present at the last `look`.
         indices: places of the agents that it holds in its roster.
     """
 
     def __init__(self, node: GuardedNode, roster: msg.HostRoster, *, answered: bool) -> None:
-        self.roster, self.answered = roster, answered
+        self.roster, self.answered, self.listens = roster, answered, False
         self.indices: list[int] = []
         topic = names.in_swarm(node, roster.host, names.PERCEPTS)
         self.publisher = node.create_publisher(msg.PerceptBatch, topic, qos.CYCLE, temporary=True)
@@ -81,10 +82,10 @@ class _Host:
                 msg.PerceptBatch, topic, qos.PIECES, temporary=True
             )
 
-    @property
-    def listens(self) -> bool:
-        """Whether the host is present."""
-        return bool(self.publisher.get_subscription_count())
+    def look(self) -> tuple[str, int, bool, bool]:
+        """Update whether the host is present; return what decides whether it holds agents."""
+        self.listens = bool(self.publisher.get_subscription_count())
+        return self.roster.host, self.roster.number, self.listens, self.answered
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send the percepts of the host's agents: in real time to another machine, in pieces."""
@@ -100,9 +101,10 @@ class _Host:
 class HostRegistry:
     """Knows the hosts that have announced themselves, and which agents each holds.
 
-    Of hosts with leases, the one with precedence holds an agent, see `hitab_ros.leases`. Without,
-    an agent that has a process of its own is in no host, and a host keeps its agents for as long
-    as it listens. Who claims the agent of another one is refused, as a fault.
+    Only hosts that listen hold agents. Of those with leases, the one with precedence holds an
+    agent, see `hitab_ros.leases`. Without, an agent that has a process of its own is in no host,
+    and a host keeps its agents for as long as it listens. Who claims the agent of another one is
+    refused, as a fault.
     """
 
     def __init__(
@@ -127,6 +129,7 @@ class HostRegistry:
         self._hosts: dict[str, _Host] = {}
         self._holders: dict[str, _Host] = {}
         self._alone: Collection[str] = ()
+        self._seen: Any = None  # what the last `look` saw
         self._hears_pieces = False
         self._listening: set[tuple[str, int]] = set()  # names and numbers of hosts
         rosters = names.in_swarm(node, names.HOSTS)
@@ -145,7 +148,7 @@ class HostRegistry:
             return
         before = self._hosts.get(roster.host)
         if before is not None:
-            if rank(before.roster) <= rank(roster):
+            if not is_later(roster, before.roster):
                 return
             self._node.destroy_publisher(before.publisher)
             if before.pieces is not None:
@@ -169,8 +172,10 @@ class HostRegistry:
         Args:
             alone: the agents that answer in processes of their own.
         """
-        self._alone = alone
-        self._share_out()
+        seen = {*alone}, [host.look() for host in self._hosts.values()]
+        if seen != self._seen:  # else it would cost more with each agent of the world
+            self._seen, self._alone = seen, alone
+            self._share_out()
         before = self._listening
         self._listening = {
             (name, host.roster.number)
@@ -193,8 +198,9 @@ class HostRegistry:
             self._node.guard.faults.set(f"roster of {name}", self._why_refused(host))
 
     def _holder(self, name: str, hosts: list[_Host]) -> _Host | None:
-        first = min(hosts, key=lambda host: rank(host.roster))
-        if first.roster.lease:
+        hosts = [host for host in hosts if host.listens]
+        first = min(hosts, key=lambda host: rank(host.roster), default=None)
+        if first is None or first.roster.lease:
             return first
         if name in self._alone:
             return None
@@ -205,7 +211,7 @@ class HostRegistry:
             # Before it has answered, the first that was started, whichever was heard first.
             return not (host.answered and host.roster.host == keeps), host.roster.number
 
-        return min((host for host in hosts if host.listens), key=order, default=None)
+        return min(hosts, key=order)
 
     def _why_refused(self, host: _Host) -> str:
         """Return why a host that listens does not hold all of its agents; empty if it does."""

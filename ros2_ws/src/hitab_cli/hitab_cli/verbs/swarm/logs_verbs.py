@@ -31,8 +31,10 @@ def logs(
 ) -> None:
     """Show the logs of a swarm's processes, even after the swarm has ended.
 
+    Of a swarm on several machines, a named log is also shown from another machine.
+
     Args:
-        name: An agent, a host, world or supervisor. Default: all.
+        name: An agent, a host, a machine, world or supervisor. Default: all of this machine.
         follow: Continue until the swarm is down, or Ctrl-C.
         lines: Number of lines to begin with; 0 for all.
         level: Only lines of this level or above: debug, info, warn, error or fatal.
@@ -40,6 +42,7 @@ def logs(
     Examples:
       hitab logs
       hitab logs keeper_1 --follow
+      hitab logs lab_2
       hitab logs --level warn
     """
     from hitab_bringup import logs_of, new_lines

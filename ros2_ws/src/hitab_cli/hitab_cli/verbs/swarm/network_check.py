@@ -1,4 +1,4 @@
-"""Check of the network between the computers on which `hitab doctor --network` runs."""
+"""Check of the network between the computers on which `hitab doctor --network 10` runs."""
 
 from __future__ import annotations
 
@@ -15,14 +15,12 @@ from hitab_bringup.doctor import ERROR, WARNING, Finding, judged
 from hitab_client import RosLink, console, domain_ids
 from hitab_client.connecting.dds_profile import INTERFACE, RANGE, SERVER, is_of_this_machine
 from hitab_core import HitabError
-from hitab_machines import MachineSigns
+from hitab_machines import OFFSET_MAX_S, MachineSigns
 from hitab_ros import check_same_message_version, qos
 from hitab_ros.timing import REPEAT_S, SILENT_AFTER_S
 
 PREFIX, ABOUT = "/network_check", "network"
 LOSS_MAX = 0.01
-OFFSET_MAX_S = 1.0
-"""Difference of clocks that is reported; numbers that count from a clock may be wrong by more."""
 
 FIRST_PORT, PORTS_EACH = 7400, 250  # of DDS, and per domain
 

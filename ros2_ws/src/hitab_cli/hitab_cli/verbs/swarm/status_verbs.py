@@ -54,10 +54,9 @@ def status(
       hitab status --check --json -
     """
     with connection(swarm, reads=True) as swarm_up:
-        swarm_up.agents.await_agents()
+        heard = swarm_up.machines.heard_agents() if swarm_up.machines is not None else ()
+        swarm_up.agents.await_agents(heard)
         _await_world(swarm_up)
-        if swarm_up.machines is not None:
-            swarm_up.machines.listen()
         reported = (*swarm_up.agents.statuses.values(), swarm_up.world.status)
         swarm_up.note_whose(status.swarm for status in reported if status is not None)
         if watch:
@@ -174,8 +173,8 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
                 f"episode {world['episode']}, {world['missed_deadlines']} missed deadlines"
             )
         )
-        for name in world["missing"]:
-            lines.append(console.line(f"the world does not hear {name}", "red"))
+        if missing := [name for name in world["missing"] if name not in silent]:
+            lines.append(console.line(f"the world does not hear {some(missing)}", "red"))
         lines += [console.line(text, "red") for text in _wrong(world)]
     several = data.get("machines", [])
     lines += _machine_lines(several)
@@ -228,15 +227,17 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
 
 
 def _machine_lines(machines: Sequence[Mapping[str, Any]]) -> list[Any]:
-    """Return a line per machine, and one per fault that machines report."""
+    """Return a line per machine, and one per fault that they report of machines that are heard."""
     lines = []
     for machine in machines:
         running = sum(state == "running" for state in machine["processes"].values())
         what = machine["silent"] or f"{quantity(running, 'process', 'processes')} running"
         name = f"{machine['machine']}{' (this one)' if machine['here'] else ''}"
         lines.append(console.line(f"machine {name}: {what}", "red" * bool(machine["silent"])))
+    silent = tuple(f"{one['machine']}{end}" for one in machines if one["silent"] for end in ", ")
     faults = dict.fromkeys(fault for machine in machines for fault in machine["faults"])
-    return lines + [console.line(fault, "red") for fault in faults]
+    # A fault begins with the machine that it is about.
+    return lines + [console.line(it, "red") for it in faults if not it.startswith(silent)]
 
 
 def _kept(agent: Mapping[str, Any]) -> str:

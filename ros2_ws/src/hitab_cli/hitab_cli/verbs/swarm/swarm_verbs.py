@@ -257,6 +257,8 @@ def _take_down_machines(record: RunRecord, only: str) -> bool:
         machines.listen()
         for name in others:
             try:
+                if name in machines.silent():
+                    raise SwarmError(f"{name} is not heard, so nothing was stopped there")
                 machines.take_down(name)
                 console.say(f"{name} is down")
             except SwarmError as error:
