@@ -66,7 +66,7 @@ BUDGET = {
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33800,
+    "tests": 33850,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -88,8 +89,10 @@ class Machines:
         self.file.write_text(SWARM)
         self._programs = folder / "programs"
         self._programs.mkdir()
-        hitab = f'#!/bin/sh\nexec {sys.executable} -m hitab_cli.main "$@"\n'
-        stub = f'#!/bin/sh\nexec {sys.executable} {folder / "stub_ssh.py"} "$@"\n'
+        hitab = f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m hitab_cli.main "$@"\n'
+        stub = (
+            f'#!/bin/sh\nexec {shlex.join([sys.executable, str(folder / "stub_ssh.py")])} "$@"\n'
+        )
         (folder / "stub_ssh.py").write_text(STUB_SSH)
         for name, text in (("hitab", hitab), ("ssh", stub)):
             (self._programs / name).write_text(text)

@@ -139,6 +139,7 @@ class HostRosters:
         rosters: the roster in force of each host, by host.
         hosts_of: the hosts that hold each agent and commander, by name; see `leases.holders`.
             Several without leases, if a roster is wrong, or the same agent runs twice.
+        leases: whether leases count.
     """
 
     def __init__(
@@ -149,6 +150,7 @@ class HostRosters:
         *,
         leases: bool = False,
     ) -> None:
+        self.leases = leases
         self.rosters: dict[str, HostRoster] = {}
         self.hosts_of: dict[str, tuple[str, ...]] = {}
         self._listing: dict[str, set[str]] = {}  # the hosts that list each name

@@ -63,7 +63,7 @@ class ExchangeTopics:
         self._soon = soon
         self._process = names.own_name(node)
         self._hosts_of: Mapping[str, tuple[str, ...]] = {}
-        self._is_host = False
+        self._is_host = self._leases = False
         self._sought: set[str] = set()
         self._hosted: set[str] = set()  # the agents that were in other hosts
         self._unconnected: set[tuple[Any, str]] = set()  # types and topics of other hosts
@@ -74,7 +74,7 @@ class ExchangeTopics:
         """Listen to other hosts."""
         create = self._node.create_subscription
         self._is_host = True
-        self._hosts_of = rosters.hosts_of
+        self._hosts_of, self._leases = rosters.hosts_of, rosters.leases
         rosters.changed.append(self._on_roster)
         create(msg.Orders, self._topic(self._process, names.ORDERS), self._on_orders, qos.EVENTS)
         create(
@@ -93,11 +93,14 @@ class ExchangeTopics:
     # -- commanders in processes of their own -----------------------------------------------
 
     def seek(self, commander: str) -> None:
-        """Connect to a commander's topics; as a host, once they are there and no host has it."""
-        if self._is_host:
-            self._sought.add(commander)
-        else:
+        """Connect to a commander's topics; as a host, once they are there and no host has it.
+
+        Where leases count, all commanders are in hosts.
+        """
+        if not self._is_host:
             self._connect(commander)
+        elif not self._leases:
+            self._sought.add(commander)
 
     def _look(self) -> None:
         """Look for the topics of hosts, and of commanders that are in none."""
