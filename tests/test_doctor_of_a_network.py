@@ -10,7 +10,7 @@ from lossy_network import LossyNetwork, why_not
 pytestmark = pytest.mark.skipif(bool(why_not()), reason=why_not())
 
 HOSTS = (1, 2, 3)
-LISTENING_S = 12.0
+LISTENING_S = 20
 
 
 def _doctors(folder, *, cut_off=0, loss=0.0, **environment):

