@@ -291,6 +291,14 @@ def test_a_host_whose_name_somebody_else_has_used_announces_itself_anew(swarm):
     assert len(swarm.rosters) == 1
 
 
+def test_percepts_for_another_process_do_not_make_later_ones_of_the_host_old(swarm):
+    swarm.act([1.0] * SIZE)
+    arrived = len(swarm.arrived)
+    swarm._percepts.publish(msg.PerceptBatch(roster=1, sequence=swarm._sequence + 500))
+    swarm._process.until(lambda: len(swarm.arrived) > arrived)
+    assert swarm.act([1.0] * SIZE) == [[2.0]] * SIZE
+
+
 def test_a_host_answers_each_piece_once_and_restarts_those_who_missed_the_restart(
     process, start, tmp_path
 ):

@@ -102,9 +102,6 @@ class HostLink:
         self._on_percepts(batch, lambda answer: publish_pieces(self._pieces, [answer]))
 
     def _on_percepts(self, batch: msg.PerceptBatch, send: Send | None = None) -> None:
-        if 0 < self._sequence - batch.sequence < SEQUENCES_OF_ONE_WORLD:
-            return  # overtaken by a later cycle
-        self._sequence = batch.sequence
         if batch.roster != self._roster.number:
             # The percepts are meant for an earlier process of this name or, if the number is
             # higher, for a roster that another process has published in this host's name.
@@ -117,6 +114,9 @@ class HostLink:
                 "fill them in as msg/PerceptBatch says"
             )
             return
+        if 0 < self._sequence - batch.sequence < SEQUENCES_OF_ONE_WORLD:
+            return  # overtaken by a later cycle
+        self._sequence = batch.sequence
         percept = self._percept
         for field in CYCLE_FIELDS:
             setattr(percept, field, getattr(batch, field))
