@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 import shutil
 from collections.abc import Callable
@@ -16,7 +15,7 @@ from hitab_client import RosLink, SwarmError, domain_ids
 from hitab_client.connecting.identity import is_identity
 from hitab_core import HitabError, some
 from hitab_core.library.yaml_places import open_yaml
-from hitab_machines.files.shared_files import safe_path
+from hitab_machines.files.shared_files import digest_of, safe_path
 from hitab_ros import names, qos
 from hitab_ros.timing import START_S
 
@@ -28,8 +27,6 @@ BYTES_MAX = 100_000_000
 
 SUFFIXES = {".yaml", ".yml", ".json", ".md", ".txt"}
 """Suffixes of the files that are taken: data, never code."""
-
-STATUS_TYPE = "hitab_msgs/msg/MachineStatus"
 
 
 def fetch_description(
@@ -58,7 +55,7 @@ def _find_machine(link: RosLink, swarm: str) -> tuple[str, str]:
     topics: set[str] = set()
 
     def look() -> bool:
-        for topic in {*link.topics_of_type(STATUS_TYPE)} - topics:
+        for topic in {*link.topics_of_type(names.MACHINE_TYPE)} - topics:
             topics.add(topic)
             prefix = topic.removesuffix(f"/{names.MACHINES}")
 
@@ -106,7 +103,7 @@ def _read_all(link: RosLink, machine: str, service: str) -> dict[str, bytes]:
     while missing := [path for path in listed if path not in contents]:
         came = {file.path: bytes(file.data) for file in ask(missing) if file.path in missing}
         for path, data in came.items():
-            if hashlib.sha256(data).hexdigest() != listed[path]:
+            if digest_of(data) != listed[path]:
                 raise SwarmError(f"{path} on {machine} is being changed; start again")
         contents |= came
         if not came or sum(map(len, contents.values())) > BYTES_MAX:

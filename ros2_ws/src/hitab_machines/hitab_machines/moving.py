@@ -100,5 +100,6 @@ def move(processes: list[str], to: str, machines: SwarmMachines, progress: Progr
                 one.error = error.problem
         left = [one.process for one in moves if not (one.message or one.error)]
         progress(len(moves) - len(left), len(moves), some(left) if left else "")
-        machines.link.spin_until(lambda: False, POLL_S)
+        if left:
+            machines.link.spin_until(lambda: False, POLL_S)
     return moves

@@ -9,9 +9,10 @@ from hitab_msgs.msg import MachineProcess, MachineStatus
 from hitab_bringup.processes.leases import FIRST_LEASE
 from hitab_client import RunRecord
 from hitab_machines.machine_signs import MachineSigns
+from hitab_ros.leases import YIELDED, machine_rank
 
-RUNNING, STARTS, STOPPED, ENDED, YIELDED = "running", "starting", "stopped", "ended", "yielded"
-"""States of a process; see MachineProcess.msg."""
+RUNNING, STARTS, STOPPED, ENDED = "running", "starting", "stopped", "ended"
+"""States of a process, besides `YIELDED`; see MachineProcess.msg."""
 
 LEASE_MAX = 10**9
 """Maximum number of a lease, whatever is received: leases count moves, and must not run out."""
@@ -65,11 +66,10 @@ class ProcessHolders:
         If none has, it is the one that had it last, or that of the swarm file.
         """
         having = [
-            (inside.state == YIELDED, -int(inside.lease), machine)
-            for machine, inside in self._reported(process)
+            (machine_rank(machine, inside), machine) for machine, inside in self._reported(process)
         ]
         if having:
-            return min(having)[2]
+            return min(having)[1]
         machines = self._record.machines.items()
         return next((machine for machine, inside in machines if process in inside), "")
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from hitab_msgs.msg import HostRoster
+from hitab_msgs.msg import HostRoster, MachineProcess
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,18 @@ class Lease:
 
 
 NO_LEASE = Lease()
+YIELDED = "yielded"
+"""State of a process that another machine has, under the lease that it reports."""
 
 
 def rank(roster: HostRoster) -> tuple[tuple[int, str], int, str]:
     """Return the place of a roster among all: by its lease, then the latest start of a host."""
     return Lease(roster.machine, roster.lease).rank, -roster.number, roster.host
+
+
+def machine_rank(machine: str, process: MachineProcess) -> tuple[bool, tuple[int, str]]:
+    """Return the place of a machine among those that report a process: the first one has it."""
+    return process.state == YIELDED, Lease(machine, process.lease).rank
 
 
 def is_later(roster: HostRoster, known: HostRoster) -> bool:

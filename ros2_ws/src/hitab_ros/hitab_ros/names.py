@@ -20,6 +20,7 @@ _RELATIVE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*\Z", re.ASCII)
 
 WORLD = "world"
 STATUS_TYPE = "hitab_msgs/msg/AgentStatus"
+MACHINE_TYPE = "hitab_msgs/msg/MachineStatus"
 STATUS_TYPES = (STATUS_TYPE, "hitab_msgs/msg/WorldStatus")
 """Namespaces of agents and worlds. A swarm has one or both."""
 

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import Alive, HostRoster
+from hitab_msgs.msg import Alive, HostRoster, MachineProcess
 from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_ros import HostRosters, Lease, SignsOfLife
-from hitab_ros.leases import holders, rank
+from hitab_ros.leases import YIELDED, holders, machine_rank, rank
 
 
 def roster(host: str, machine: str = "", lease: int = 0, number: int = 1, agents: Any = "a"):
@@ -123,3 +123,10 @@ def test_a_host_takes_back_what_was_published_in_its_name():
 def test_a_host_says_to_whom_it_yields():
     sentence = "host_2 runs on lab_3 now (lease 2); this one yields"
     assert Lease("lab_1", 1, "host_2").why_yield(roster("y", "lab_3", 2)) == sentence
+
+
+def test_a_machine_that_has_yielded_a_process_does_not_have_it_whatever_its_name():
+    gave_up = MachineProcess(lease=2, state=YIELDED)
+    has_it = MachineProcess(lease=2, state="running")
+    assert machine_rank("lab_2", has_it) < machine_rank("lab_1", gave_up)
+    assert machine_rank("lab_2", MachineProcess(lease=3)) < machine_rank("lab_1", has_it)

@@ -11,7 +11,8 @@ from hitab_client.attention.items import Item
 from hitab_client.showing.agent_presence import AgentPresence
 from hitab_client.showing.commander_view import CommanderView
 from hitab_client.world_client import WorldClient
-from hitab_ros import Lease, Presence, names, qos
+from hitab_ros import Presence, names, qos
+from hitab_ros.leases import machine_rank
 from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.timing import HEARTBEAT_S
 
@@ -39,14 +40,14 @@ class Machines:
         return self._presence.silent()
 
     def machine_of(self) -> dict[str, str]:
-        """Return the machine of each agent and commander, by the highest lease."""
+        """Return the machine that has each agent and commander."""
         claims = [
-            (Lease(name, process.lease).rank, process.agents)
+            (machine_rank(name, process), name, process.agents)
             for name, status in self.statuses.items()
             for process in status.processes
         ]
         claims.sort(key=lambda claim: claim[0], reverse=True)
-        return {agent: machine for (_, machine), agents in claims for agent in agents}
+        return {agent: machine for _, machine, agents in claims for agent in agents}
 
     def _take(self, status: MachineStatus) -> None:
         known = status.machine in self.statuses or len(self.statuses) < MACHINES_MAX

@@ -203,13 +203,13 @@ class RunProcesses:
         if state is None:
             return None
         said = state["statename"]
-        restarts = said == "EXITED" and state.get("exitstatus", 0) != DO_NOT_RESTART
-        if said in ENDED_STATES and not restarts:
+        starts = is_starting(state)
+        if said in ENDED_STATES and not starts:
             return Silence(process, f"has ended{_how(state)}", lasts=True, state="ended")
         if said in STOPPED_STATES:
             what = "was stopped through its supervisor"
             return Silence(process, what, lasts=True, state="stopped")
-        if said in STARTING or restarts:
+        if starts:
             how = "" if said == "STARTING" else _how(state)
             what = f"is being started again{how}"
             return Silence(process, what, lasts=False, state="restarting")
@@ -230,6 +230,12 @@ class RunProcesses:
                 self._states = {}
             self._silences = {}
             self._asked = time.monotonic()
+
+
+def is_starting(state: Mapping[str, Any]) -> bool:
+    """Return whether the supervisor starts a process, or will start it again; see its data."""
+    said = state["statename"]
+    return said in STARTING or (said == "EXITED" and state.get("exitstatus", 0) != DO_NOT_RESTART)
 
 
 def is_suspended(pid: int) -> bool:

@@ -10,10 +10,15 @@ from hitab_msgs.msg import MachineProcess
 
 from hitab_bringup.processes.leases import Leases
 from hitab_client import RunFolder, RunRecord, SwarmError
-from hitab_client.runs.run_processes import ENDED_STATES, STARTING, STOPPED_STATES, process_states
+from hitab_client.runs.run_processes import (
+    ENDED_STATES,
+    STOPPED_STATES,
+    is_starting,
+    process_states,
+)
 from hitab_core import HitabError, has
-from hitab_machines.process_holders import ENDED, RUNNING, STARTS, STOPPED, YIELDED
-from hitab_ros.nodes.exit_codes import DO_NOT_RESTART
+from hitab_machines.process_holders import ENDED, RUNNING, STARTS, STOPPED
+from hitab_ros.leases import YIELDED
 from hitab_ros.timing import UPDATE_S
 
 LINES_MAX = 1000
@@ -58,12 +63,11 @@ class LocalProcesses:
 
     def _state(self, name: str) -> str:
         yielded = self._leases.is_yielded(name)
-        state = self._states.get(name, {})
-        said = state.get("statename", "EXITED" if yielded else "STARTING")
+        state = self._states.get(name, {"statename": "EXITED" if yielded else "STARTING"})
+        said = state["statename"]
         if yielded and said in ENDED_STATES:
             return YIELDED
-        restarts = said == "EXITED" and state["exitstatus"] != DO_NOT_RESTART
-        if said in STARTING or restarts:
+        if is_starting(state):
             return STARTS
         if said in STOPPED_STATES:
             return STOPPED

@@ -12,11 +12,8 @@ from hitab_msgs import msg
 Sensed = tuple[Sequence[float], Sequence[str]]
 """A percept: its values, and what the agent hears."""
 
-AGENT_BYTES, VALUE_BYTES, TEXT_BYTES = (
-    12,
-    8,
-    8,
-)  # of the indices and counts, a value, a text's rest
+AGENT_BYTES, VALUE_BYTES, TEXT_BYTES = 12, 8, 8
+"""Sizes of an agent's index and counts, of a value, and of a text without its letters."""
 
 
 def percept_batches(

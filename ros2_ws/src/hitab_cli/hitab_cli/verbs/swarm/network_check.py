@@ -16,7 +16,7 @@ from hitab_client import RosLink, console, domain_ids
 from hitab_client.connecting.dds_profile import INTERFACE, RANGE, SERVER, is_of_this_machine
 from hitab_core import HitabError
 from hitab_machines import OFFSET_MAX_S, MachineSigns
-from hitab_ros import check_same_message_version, qos
+from hitab_ros import check_same_message_version, names, qos
 from hitab_ros.timing import REPEAT_S, SILENT_AFTER_S
 
 PREFIX, ABOUT = "/network_check", "network"
@@ -44,7 +44,7 @@ def network(seconds: float) -> Iterator[Finding]:
         began = time.monotonic()
         said = 0.0
         while (passed := time.monotonic() - began) < seconds:
-            for topic in {*link.topics_of_type("hitab_msgs/msg/MachineStatus")} - topics:
+            for topic in {*link.topics_of_type(names.MACHINE_TYPE)} - topics:
                 topics.add(topic)
                 if not topic.startswith(PREFIX):
                     hear = lambda status: statuses.update({status.machine: status})  # noqa: E731
