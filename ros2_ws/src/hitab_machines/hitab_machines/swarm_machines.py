@@ -13,7 +13,7 @@ from hitab_machines.machine_signs import MachineSigns
 from hitab_machines.process_holders import ProcessHolders
 from hitab_ros import names
 from hitab_ros.call import SwarmError
-from hitab_ros.timing import FOUND_S, PROMPT_S, SETTLE_S
+from hitab_ros.timing import DISCOVERY_S, FOUND_S, PROMPT_S, SETTLE_S, SILENT_AFTER_S
 
 
 class SwarmMachines:
@@ -52,12 +52,13 @@ class SwarmMachines:
         Of a machine that was silent before this program began, the others tell.
         """
         others = [link for status in self.holders.statuses().values() for link in status.links]
-        never = {
+        unheard = {
             name: min((link.age for link in others if link.machine == name), default=math.inf)
             for name in self.record.machines
             if name not in self._signs.heard
         }
-        return {**never, **self._signs.silent()}
+        lasting = {name: age for name, age in unheard.items() if age > SILENT_AFTER_S}
+        return {**lasting, **self._signs.silent()}
 
     def machine_of(self, name: str) -> str:
         """Return the machine that has an agent, a commander, a process or the world."""
@@ -104,11 +105,13 @@ class SwarmMachines:
         return found
 
     def ask(self, machine: str, kind: Any, service: str, request: Any) -> Any:
-        """Ask a machine for something.
+        """Ask a machine for something; a short silence may be of signs that were lost.
 
         Raises:
             SwarmError: if it is silent, does not answer or refuses.
         """
+        if self.silent().get(machine, 0.0) < DISCOVERY_S:
+            self.link.spin_until(lambda: machine not in self.silent(), DISCOVERY_S)
         if machine in self.silent():
             raise SwarmError(f"{machine} {self.why_silent(machine)}")
         return self.link.call(
