@@ -60,8 +60,7 @@ class Person:
     def __init__(self, folder: Path) -> None:
         from hitab_msgs.msg import WorldStatus
 
-        from hitab_client import RosLink, RunFolder, Stops, SwarmClient
-        from hitab_machines import MachineSigns
+        from hitab_client import MachineSigns, RosLink, RunFolder, Stops, SwarmClient
         from hitab_ros import names, qos
 
         record = RunFolder(folder).read()

@@ -18,10 +18,9 @@ from hitab_bringup import described_swarm
 from hitab_bringup.libraries.library_choice import shipped_libraries
 from hitab_bringup.processes import supervision
 from hitab_bringup.processes.bringing_up import bring_up
-from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient
+from hitab_client import MachineSigns, RosLink, RunFolder, RunRecord, SwarmClient
 from hitab_client.runs.run_processes import process_states
 from hitab_core.operations import BeginTraining, Command, SaveBehavior
-from hitab_machines import MachineSigns
 
 SECONDS = 60.0
 LAB = """\

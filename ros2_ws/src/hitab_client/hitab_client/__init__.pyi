@@ -26,6 +26,8 @@ from .runs.users import user_name as user_name
 from .showing.commander_view import Branch as Branch
 from .showing.commander_view import CommanderView as CommanderView
 from .showing.commander_view import tree_of as tree_of
+from .showing.machine_signs import OFFSET_MAX_S as OFFSET_MAX_S
+from .showing.machine_signs import MachineSigns as MachineSigns
 from .showing.world_view import Thing as Thing
 from .showing.world_view import WorldView as WorldView
 from .stops import Stops as Stops

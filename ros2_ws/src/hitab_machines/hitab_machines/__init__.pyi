@@ -2,8 +2,6 @@ from .description_transfer import fetch_description as fetch_description
 from .joining import await_machines as await_machines
 from .joining import refuse_limits as refuse_limits
 from .joining import refuse_to_join as refuse_to_join
-from .machine_signs import OFFSET_MAX_S as OFFSET_MAX_S
-from .machine_signs import MachineSigns as MachineSigns
 from .moving import Move as Move
 from .moving import move as move
 from .moving import processes_meant as processes_meant

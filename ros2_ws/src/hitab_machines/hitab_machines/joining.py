@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterator
 from hitab_msgs.msg import MachineStatus
 
 from hitab_bringup import SwarmDescription, description_digest
-from hitab_client import RosLink, RunRecord, SwarmError, domain_ids
+from hitab_client import MachineSigns, RosLink, RunRecord, SwarmError, domain_ids
 from hitab_client.connecting.dds_profile import RANGE, is_of_this_machine
 from hitab_client.terminal.cli_remedies import called
 from hitab_core import installed_version, some
-from hitab_machines.machine_signs import MachineSigns
 from hitab_machines.process_holders import running
 from hitab_ros.timing import DISCOVERY_S, FOUND_S
 

@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator
 from hitab_msgs.msg import MachineProcess, MachineStatus
 
 from hitab_bringup.processes.leases import FIRST_LEASE
-from hitab_client import RunRecord
-from hitab_machines.machine_signs import MachineSigns
+from hitab_client import MachineSigns, RunRecord
 from hitab_ros.leases import YIELDED, machine_rank
 
 RUNNING, STARTS, STOPPED, ENDED = "running", "starting", "stopped", "ended"
@@ -42,7 +41,7 @@ class ProcessHolders:
 
     def statuses(self) -> dict[str, MachineStatus]:
         """Return the last status of each machine of the swarm file, by name."""
-        found = {name: heard.status for name, heard in self.signs.heard.items()}
+        found = self.signs.statuses()
         own = self._own()
         if own is not None:
             found[own.machine] = own

@@ -8,8 +8,7 @@ from typing import Any
 from hitab_msgs.srv import ReadLog
 from std_srvs.srv import Trigger
 
-from hitab_client import RosLink, RunRecord
-from hitab_machines.machine_signs import MachineSigns
+from hitab_client import MachineSigns, RosLink, RunRecord
 from hitab_machines.process_holders import ProcessHolders
 from hitab_ros import names
 from hitab_ros.call import SwarmError

@@ -11,8 +11,8 @@ import pytest
 from hitab_msgs.msg import MachineFile
 from hitab_msgs.srv import ReadFiles
 
-from hitab_client import RosLink, SwarmError, domain_ids
-from hitab_machines import MachineSigns, fetch_description
+from hitab_client import MachineSigns, RosLink, SwarmError, domain_ids
+from hitab_machines import fetch_description
 
 SWARM = "agents: {a: {}}\nmachines: {lab_1: {}}\n"
 Send = Callable[[dict[str, str]], None]

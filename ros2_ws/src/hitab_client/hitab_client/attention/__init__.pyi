@@ -6,4 +6,3 @@ from .items import Kind as Kind
 from .items import others_alike as others_alike
 from .items import ranked as ranked
 from .listener import AttentionListener as AttentionListener
-from .listener import Machines as Machines

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from hitab_msgs.msg import MachineStatus
 
+from hitab_client import OFFSET_MAX_S, MachineSigns
 from hitab_core import some
-from hitab_machines.machine_signs import OFFSET_MAX_S, MachineSigns
 from hitab_machines.process_holders import running
 from hitab_ros.timing import DISCOVERY_S, HEARTBEAT_S
 

@@ -14,12 +14,11 @@ from std_srvs.srv import Trigger
 
 from hitab_bringup import SwarmDescription, described_files, description_digest
 from hitab_bringup.processes.leases import Leases
-from hitab_client import DescriptionError, RunFolder, RunRecord
+from hitab_client import DescriptionError, MachineSigns, RunFolder, RunRecord
 from hitab_client.runs.run_folder import MARK
 from hitab_core import HitabError, installed_version, some
 from hitab_machines.files.copies import Copies, copied_folders
 from hitab_machines.files.shared_files import SharedFiles
-from hitab_machines.machine_signs import MachineSigns
 from hitab_machines.node.faults import MachineFaults
 from hitab_machines.node.jobs import Jobs
 from hitab_machines.node.local_processes import LocalProcesses

@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from hitab_client import SwarmClient
-from hitab_client.attention import Attention, Machines, Seen
+from hitab_client import MachineSigns, SwarmClient
+from hitab_client.attention import Attention, Seen
 from hitab_ros.timing import HEARTBEAT_S
 from hitab_studio.swarm.processes import Processes
 from hitab_studio.swarm.swarm_state import SwarmState
@@ -17,7 +17,7 @@ class AttentionWatch:
 
     def __init__(self, agents: SwarmClient, processes: Processes) -> None:
         self._attention = Attention(processes.process_of)
-        self._machines = Machines(agents)
+        self._machines = MachineSigns(agents.link.node, agents.prefix, agents.identity)
         self._next = 0.0
 
     def look(self, known: SwarmState) -> dict[str, Any]:
@@ -37,13 +37,13 @@ class AttentionWatch:
             frozenset(world.missing if world is not None else ()) & known.statuses.keys(),
             places,
             now if scene is None else scene.seconds,
-            self._machines.statuses,
+            self._machines.statuses(),
             silent,
         )
         since = {name: known.machines.get(name) or now - age for name, age in silent.items()}
         found = {
             "attention": tuple(self._attention.look(seen, now)),
-            "machines": dict.fromkeys(self._machines.statuses) | since,
+            "machines": dict.fromkeys(self._machines.heard) | since,
             "machine_of": self._machines.machine_of(),
         }
         return {name: it for name, it in found.items() if it != getattr(known, name)}

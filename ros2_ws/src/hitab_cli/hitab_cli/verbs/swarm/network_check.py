@@ -12,10 +12,9 @@ import psutil  # type: ignore[import-untyped]
 from hitab_msgs.msg import MachineLink, MachineStatus
 
 from hitab_bringup.doctor import ERROR, WARNING, Finding, judged
-from hitab_client import RosLink, console, domain_ids
+from hitab_client import OFFSET_MAX_S, MachineSigns, RosLink, console, domain_ids
 from hitab_client.connecting.dds_profile import INTERFACE, RANGE, SERVER, is_of_this_machine
 from hitab_core import HitabError
-from hitab_machines import OFFSET_MAX_S, MachineSigns
 from hitab_ros import check_same_message_version, names, qos
 from hitab_ros.timing import REPEAT_S, SILENT_AFTER_S
 

@@ -13,6 +13,7 @@ from hitab_msgs.msg import MachineLink, MachineStatus
 from rclpy.node import Node
 
 from hitab_ros import Presence, names, qos, steady_timer
+from hitab_ros.leases import machine_rank
 from hitab_ros.messages.stamps import seconds_of, time_of
 from hitab_ros.timing import HEARTBEAT_S
 
@@ -97,7 +98,7 @@ class MachineSigns:
     Args:
         node: the node to use.
         prefix: namespace of the swarm.
-        swarm: the swarm's identity.
+        swarm: the swarm's identity; empty for any.
         machine: name of this machine; empty to only listen.
         fill: called with each own status before it is sent, to complete it.
 
@@ -131,9 +132,23 @@ class MachineSigns:
         """Return the silent machines with the time since their last sign, s."""
         return self._presence.silent()
 
+    def statuses(self) -> dict[str, MachineStatus]:
+        """Return the last status of each machine that was heard, by name."""
+        return {name: heard.status for name, heard in self.heard.items()}
+
+    def machine_of(self) -> dict[str, str]:
+        """Return the machine that has each agent and commander."""
+        claims = [
+            (machine_rank(name, process), name, process.agents)
+            for name, status in self.statuses().items()
+            for process in status.processes
+        ]
+        claims.sort(key=lambda claim: claim[0], reverse=True)
+        return {agent: machine for _, machine, agents in claims for agent in agents}
+
     def _hear(self, status: MachineStatus) -> None:
         own = self._status
-        if status.swarm != own.swarm or status.process == own.process:
+        if own.swarm not in ("", status.swarm) or status.process == own.process:
             return
         if status.machine not in self.heard and len(self.heard) >= MACHINES_MAX:
             return

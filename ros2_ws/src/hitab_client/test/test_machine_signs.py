@@ -6,7 +6,7 @@ import math
 
 from hitab_msgs.msg import MachineLink, MachineStatus
 
-from hitab_machines.machine_signs import HeardMachine
+from hitab_client.showing.machine_signs import HeardMachine
 from hitab_ros.messages.stamps import seconds_of, time_of
 
 
@@ -30,7 +30,7 @@ def test_gaps_in_the_numbers_are_lost_messages() -> None:
 
 def test_the_fastest_answer_tells_delay_and_offset(monkeypatch: object) -> None:
     now = 1000.0
-    import hitab_machines.machine_signs as module
+    import hitab_client.showing.machine_signs as module
 
     monkeypatch.setattr(module.time, "time", lambda: now)  # type: ignore[attr-defined]
     heard, ahead = HeardMachine(), 3.0
