@@ -36,8 +36,9 @@ class SwarmMachines:
         self.holders = ProcessHolders(self._signs, record)
 
     def listen(self) -> None:
-        """Wait until all machines are heard, or would have been."""
-        self.link.spin_until(lambda: not self.silent(), SETTLE_S)
+        """Wait until all machines are heard, or would have been; longer for those others hear."""
+        self.link.spin_until(lambda: not self._unheard(), SETTLE_S)
+        self.link.spin_until(lambda: self._unheard().keys() <= self.silent().keys(), DISCOVERY_S)
 
     def heard_agents(self) -> list[str]:
         """Return the agents on machines that are heard, or would have been; see `listen`."""
@@ -50,14 +51,17 @@ class SwarmMachines:
 
         Of a machine that was silent before this program began, the others tell.
         """
+        lasting = {name: age for name, age in self._unheard().items() if age > SILENT_AFTER_S}
+        return {**lasting, **self._signs.silent()}
+
+    def _unheard(self) -> dict[str, float]:
+        """Return the machines that this program never heard, with their silence for others, s."""
         others = [link for status in self.holders.statuses().values() for link in status.links]
-        unheard = {
+        return {
             name: min((link.age for link in others if link.machine == name), default=math.inf)
             for name in self.record.machines
             if name not in self._signs.heard
         }
-        lasting = {name: age for name, age in unheard.items() if age > SILENT_AFTER_S}
-        return {**lasting, **self._signs.silent()}
 
     def machine_of(self, name: str) -> str:
         """Return the machine that has an agent, a commander, a process or the world."""

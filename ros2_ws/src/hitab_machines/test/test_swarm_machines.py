@@ -11,7 +11,7 @@ from hitab_msgs.msg import MachineLink, MachineStatus
 
 from hitab_client import SwarmError
 from hitab_machines.swarm_machines import SwarmMachines
-from hitab_ros.timing import DISCOVERY_S, SILENT_AFTER_S
+from hitab_ros.timing import DISCOVERY_S, SETTLE_S, SILENT_AFTER_S
 
 
 @dataclass
@@ -31,12 +31,15 @@ class Link:
 
     signs: Signs
     lasts: float
+    heard_at_end: str = ""
 
     def spin_until(self, condition: Any, seconds: float) -> bool:
-        passed = min(seconds, self.lasts)
-        self.lasts -= passed
+        if condition():
+            return True
+        self.lasts -= min(seconds, self.lasts)
         if not self.lasts:
             self.signs.lost.clear()
+            self.signs.heard |= {self.heard_at_end} - {""}
         return bool(condition())
 
     def call(self, *_: Any, **__: Any) -> str:
@@ -59,6 +62,17 @@ def program(signs: Signs, age: float, lasts: float = 0.0) -> SwarmMachines:
 def test_a_machine_that_others_hear_is_not_silent_before_this_program_hears_it() -> None:
     assert program(Signs(), age=SILENT_AFTER_S / 2).silent() == {}
     assert program(Signs(), age=SILENT_AFTER_S * 2).silent() == {"lab_2": SILENT_AFTER_S * 2}
+
+
+def test_a_program_listens_until_it_hears_the_machines_that_others_hear() -> None:
+    signs = Signs()
+    machines = program(signs, age=0.5, lasts=5.0)
+    machines.link.heard_at_end = "lab_2"  # type: ignore[attr-defined]
+    machines.listen()
+    assert "lab_2" in signs.heard
+    machines = program(Signs(), age=SILENT_AFTER_S * 2, lasts=60.0)
+    machines.listen()
+    assert machines.link.lasts == 60.0 - SETTLE_S  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(("age", "lasts", "answers"), [(2.0, 5.0, True), (2.0, 60.0, False)])
