@@ -224,6 +224,12 @@ class CommanderBody:
         latest = self.members[name].latest
         return latest is not None and latest.epoch == self.order.epoch and not self.is_silent(name)
 
+    def has_order(self, name: str) -> bool:
+        """Whether a subordinate that is not silent has reported the order in force."""
+        latest = self.members[name].latest
+        newest = latest is not None and (latest.epoch, latest.sequence) >= self.order.number
+        return newest and not self.is_silent(name)
+
     @property
     def ready(self) -> bool:
         """Whether there are subordinates to command, and all but silent ones have reported."""

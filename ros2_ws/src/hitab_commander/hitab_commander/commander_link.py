@@ -229,7 +229,7 @@ class CommanderLink:
         self._decided = False
         if now >= self._look_at:
             self._look_at = now + HEARTBEAT_S
-            if not (self._lockstep.active or all(map(body.knows_of, body.members))):
+            if not (self._lockstep.active or all(map(body.has_order, body.members))):
                 self._publish(body.order)
         self.group.publish_if_changed()
 

@@ -55,6 +55,26 @@ def test_who_joins_late_or_is_restarted_performs_the_current_order_once(team):
     team.until(lambda: team.performs("a") == "Search")
 
 
+def test_an_order_is_repeated_until_its_subordinate_reports_it(team):
+    # DDS may lose an order at the moment in which a subordinate is found again.
+    team.commander("chief", SQUAD, ["a"], roles=["scout"])
+    reports = team.link.create_publisher(msg.Reports, f"/chief/{names.REPORTS}", qos.EVENTS)
+    team.until(reports.get_subscription_count)
+    given = team.orders["chief"]
+
+    def report_until(reached, order):
+        number = {"epoch": order.epoch, "sequence": order.sequence}
+        one = msg.Report(agent="a", mode="performing", path=["Home"], **number)
+        team.until(lambda: reports.publish(msg.Reports(reports=[one])) or reached())
+
+    team.perform("chief", "Attack")
+    team.until(lambda: given and given[-1].order == "Attack")
+    first = given[-1]
+    team.perform("chief", "Retreat")
+    report_until(lambda: [one.order for one in given].count("Retreat") > 2, first)
+    report_until(lambda: team.groups["chief"].subordinates[0].obeys, given[-1])
+
+
 def test_an_old_or_repeated_order_changes_nothing(team):
     squad(team)
     team.ant("a", "chief", "scout")
