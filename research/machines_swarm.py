@@ -197,7 +197,8 @@ class Person:
         subscription = self.link.subscribe(
             WorldState, names.of_world(names.STATE), found.append, qos.LATCHED, temporary=True
         )
-        self.link.spin_until(lambda: bool(found), LONG_S)
+        now = self.world.cycle  # the first state may be one that was kept for late subscribers
+        self.link.spin_until(lambda: bool(found) and found[-1].cycle >= now, LONG_S)
         self.link.node.destroy_subscription(subscription)
         inside = {*self.processes[process]}
         return {e.name: [e.x, e.y, e.heading] for e in found[-1].entities if e.name in inside}
