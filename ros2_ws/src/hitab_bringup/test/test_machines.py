@@ -119,6 +119,17 @@ def test_a_machine_starts_its_own_processes_with_leases_and_its_node(tmp_path):
     assert first.parameters["hosts"] == 4
 
 
+def test_a_world_waits_for_no_host_of_robots_which_have_no_place_in_it(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "rover_words.py").write_text(ROBOT)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    robots = SWARM.replace("scout: {count: 2}", 'rover: {count: 2, domain: "rover_words:DOMAIN"}')
+    swarm = parse_swarm(robots + "  lab_1: {runs: world}\n  lab_2: {runs: [ant, rover]}\n", HERE)
+    world, *_ = processes(swarm.on_machine("lab_1"), HERE.parent)
+    assert world.parameters["hosts"] == 1
+
+
 def test_all_machines_know_all_processes_and_the_same_identity(tmp_path):
     swarm = parse_swarm(SWARM + THREE, HERE)
     parts = [swarm.on_machine(name) for name in ("lab_1", "lab_2", "lab_3")]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from xml.etree import ElementTree
 
-from hitab_bringup.processes.swarm_processes import is_host, shared_members
+from hitab_bringup.processes.swarm_processes import is_host, is_in_world, shared_members
 from hitab_bringup.swarm_files.swarm_description import (
     CLOCK_TOPIC,
     SIM_TIME,
@@ -22,7 +22,7 @@ from hitab_bringup.swarm_files.swarm_description import (
     CommanderDescription,
     SwarmDescription,
 )
-from hitab_core import load_domain, operations
+from hitab_core import operations
 from hitab_ros import names
 from hitab_ros.names import WORLD
 
@@ -179,13 +179,10 @@ class _Nodes:
             "subscribe": [*[CLOCK_TOPIC] * simulated, *self._in_swarm(*heard, *orders)],
         }
 
-    def _perceives(self, member: AgentDescription) -> bool:
-        return not (isinstance(member, CommanderDescription) or load_domain(member.domain).link)
-
     def _member_alone(self, member: AgentDescription) -> NodeRights:
         own = {"publish": [names.ROSOUT], "reply": PARAMETERS}
         in_world: Rights = {}
-        if self._perceives(member):
+        if is_in_world(member):
             actions = self._in_swarm(f"{WORLD}/{names.ACTIONS}")
             in_world = {"publish": actions, "subscribe": [names.PERCEPT]}
         node = "commander" if isinstance(member, CommanderDescription) else "agent"
@@ -224,7 +221,7 @@ class _Nodes:
         hosts = [host for named in self._hosts.values() for host in named]
         pieces = bool(self._machines)
         to_hosts = [names.PERCEPTS, *[names.PERCEPT_PIECES] * pieces]
-        percepts = [f"{it.name}/{names.PERCEPT}" for it in self._alone if self._perceives(it)]
+        percepts = [f"{it.name}/{names.PERCEPT}" for it in self._alone if is_in_world(it)]
         percepts += [f"{host}/{name}" for host in hosts for name in to_hosts]
         own = (names.STATUS, names.STATE, names.EPISODES, names.STOP_STATE)
         common = (EVENTS, names.ROSOUT, DIAGNOSTICS, CLOCK_TOPIC, names.EMERGENCY_STATE)

@@ -180,7 +180,10 @@ def _world(
         "factor": world.factor,
         "seed": world.seed,
         "paused": world.paused,
-        "hosts": sum(_hosts_bodies(swarm, members) for members in shared_members(swarm).values()),
+        "hosts": sum(
+            is_host(swarm, members) and any(map(is_in_world, members))
+            for members in shared_members(swarm).values()
+        ),
         "state_dir": _state(folder),
         **{f"parameters.{name}": value for name, value in world.parameters.items()},
         **own,
@@ -191,11 +194,9 @@ def _world(
     return Process(WORLD, world.module, (), space, remap, parameters)
 
 
-def _hosts_bodies(swarm: SwarmDescription, members: Sequence[AgentDescription]) -> bool:
-    """Whether a process is a host whose members include agents of a world."""
-    return is_host(swarm, members) and not all(
-        isinstance(m, CommanderDescription) for m in members
-    )
+def is_in_world(member: AgentDescription) -> bool:
+    """Whether a member acts in the swarm's world: no commander, and no robot with its own link."""
+    return not (isinstance(member, CommanderDescription) or load_domain(member.domain).link)
 
 
 def library_of(member: AgentDescription, folder: Path) -> Path:
