@@ -54,19 +54,19 @@ BUDGET = {
     "hitab_bringup": 3050,
     "hitab_class": 200,
     "hitab_cli": 3300,
-    "hitab_client": 4550,
+    "hitab_client": 4650,
     "hitab_commander": 1150,
     "hitab_core": 9750,
     "hitab_export": 900,
     "hitab_gamepad": 400,
-    "hitab_machines": 1350,
+    "hitab_machines": 1250,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1850,
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33850,
+    "tests": 33900,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
