@@ -17,7 +17,6 @@ from hitab_core import (
     TransitionTree,
     plain_domain,
 )
-
 from hitab_core.training import Curriculum
 from hitab_core.training.past import PAST_SECONDS
 

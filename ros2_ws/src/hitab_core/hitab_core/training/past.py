@@ -77,7 +77,7 @@ class Past:
             first = f"begin at cycle {self.kept[0].cycle}" if self.kept else "are none"
             raise TrainingError(
                 f"the percept of cycle {cycle} is not kept: a training keeps the last "
-                f"{PAST_SECONDS:g} s of an episode, and its percepts {first}; choose a later moment"
+                f"{PAST_SECONDS:g} s of an episode, and its percepts {first}; choose a later one"
             )
         return self.kept[place - 1]
 
