@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from hitab_core.acting_agent import ActingAgent
+from hitab_core.acting.acting_agent import ActingAgent
 from hitab_core.advice.remarks import Remark
 from hitab_core.assistant.people import texts_of
 from hitab_core.automaton import FLAGS

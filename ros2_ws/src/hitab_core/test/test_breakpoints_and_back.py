@@ -19,9 +19,9 @@ from hitab_core import (
     VocabularyError,
     plain_domain,
 )
+from hitab_core.acting.draws import Draws
 from hitab_core.automaton import SECONDS_IN_STATE
 from hitab_core.operations import SetBreakpoints
-from hitab_core.running.draws import Draws
 from hitab_core.training import Curriculum
 
 STEP = 0.1
@@ -140,7 +140,7 @@ def test_a_breakpoint_is_met_on_every_level_also_where_a_behavior_begins(world: 
 
 
 def test_unknown_names_are_refused_naming_those_there(world: World) -> None:
-    with pytest.raises(VocabularyError, match='unknown state "Pas" .*known: .*Patrol, Start'):
+    with pytest.raises(VocabularyError, match=r'unknown state "Pas" .*known: .*Patrol, Start'):
         world.agent.do(SetBreakpoints(["Patrol", "Stay -> Pas"]))
     assert world.agent.breakpoints.set == ()
     with pytest.raises(VocabularyError, match='unknown state ""'):

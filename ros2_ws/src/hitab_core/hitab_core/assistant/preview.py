@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from hitab_core.advice.confidence import FAR, RatedFunctions
 from hitab_core.automaton import Automaton
@@ -17,7 +17,8 @@ from hitab_core.training.percepts import PerceptRecord, state_of
 from hitab_core.training.trainer import Trainer
 
 
-class Preview(NamedTuple):
+@dataclass(frozen=True)
+class Preview:
     """What an agent would do in a situation.
 
     Attributes:

@@ -10,7 +10,7 @@ from bisect import bisect_left, bisect_right
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from hitab_core.running.draws import Draws
+from hitab_core.acting.draws import Draws
 from hitab_core.running.run_context import Clock, Running
 
 COURSE_SECONDS = 60.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from hitab_core.acting.draws import Draws
 from hitab_core.automaton import FLAGS, START
 from hitab_core.repertoire import Repertoire
-from hitab_core.running.draws import Draws
 from hitab_core.running.run_context import Running
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.texts.errors import VocabularyError

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
+from hitab_core.acting.breakpoints import Breakpoint, Breakpoints
+from hitab_core.acting.course import Course
+from hitab_core.acting.draws import Draws
 from hitab_core.advice.confidence import FAR
 from hitab_core.agent_library import AgentLibrary
 from hitab_core.assistant.caution import CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.running.breakpoints import Breakpoint, Breakpoints
-from hitab_core.running.course import Course
-from hitab_core.running.draws import Draws
 from hitab_core.running.mode import Mode
 from hitab_core.running.run_context import Clock, Running
 from hitab_core.running.seeding import agent_seed
@@ -44,6 +44,7 @@ class ActingAgent(AgentLibrary):
         self.body = domain.body(name)
         self.cycle = 0
         self._episode_since = 0
+        self._shown_again = False  # the world shows its cycle again, but nothing was changed
         self._draws = Draws(agent_seed(seed, 0, name))
         self.clock = Clock()
         self.monitor = CautionMonitor()
@@ -109,6 +110,7 @@ class ActingAgent(AgentLibrary):
             jumped: whether the situation does not follow from the last one, as when something was
                 placed.
         """
+        jumped, self._shown_again = jumped and not self._shown_again, False
         if cycle < self.cycle:
             self._episode_since = cycle  # the world counts from its beginning again
         self.cycle = cycle
@@ -143,7 +145,7 @@ class ActingAgent(AgentLibrary):
             session.go_back(cycle)
         self.monitor.forget()
         self.breakpoints.forget()
-        self.cycle = cycle
+        self.cycle, self._shown_again = cycle, True
         self.course.back(cycle)
 
     def tick(self) -> None:
@@ -167,7 +169,8 @@ class ActingAgent(AgentLibrary):
         """Return whether the world has to hold before the agent acts."""
         decides = self.mode is not Mode.TRAINING
         met = self.breakpoints.look(self.running, self._draws, self._doubt, decides=decides)
-        return met and not self.domain.link
+        self._shown_again = met and not self.domain.link
+        return self._shown_again
 
     def _doubt(self) -> str:
         trained = self._trained
