@@ -54,10 +54,10 @@ BUDGET = {
     "hitab_agent": 3000,
     "hitab_bringup": 3050,
     "hitab_class": 200,
-    "hitab_cli": 3300,
+    "hitab_cli": 3320,
     "hitab_client": 4550,
     "hitab_commander": 1150,
-    "hitab_core": 9750,
+    "hitab_core": 10200,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_machines": 1350,
@@ -67,7 +67,7 @@ BUDGET = {
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33850,
+    "tests": 34150,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

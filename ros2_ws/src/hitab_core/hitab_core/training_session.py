@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Self
 
@@ -72,10 +72,16 @@ class TrainingSession(Trainer):
         self._loops = Loops(self)
         self._trial = TrialStatistics(self)
         self.preview = Previews(self)
-        assistants = (self.late, self.questions, self._loops, self._trial, self.preview)
-        for name, assistant in zip(ASSISTANTS, assistants, strict=True):
+        guests: Sequence[Callable[[], None]] = (
+            self.late.subscribe,
+            self.questions.subscribe,
+            self._loops.subscribe,
+            self._trial.subscribe,
+            self.preview.subscribe,
+        )
+        for name, begin in zip(ASSISTANTS, guests, strict=True):
             if name not in without:
-                assistant.subscribe()
+                begin()
 
     # -- standing still ---------------------------------------------------------------------
 

@@ -14,9 +14,6 @@ from hitab_agent.scheduler import Scheduler
 from hitab_core import Mode
 from hitab_ros.timing import UPDATE_S
 
-LOOK_S = 2 * UPDATE_S
-"""Period of the looks, s: people cannot read what changes faster."""
-
 
 class PreviewWatch:
     """Looks what the agents of a process would do next."""
@@ -29,7 +26,7 @@ class PreviewWatch:
             scheduler: the process's scheduler.
         """
         self._nodes = nodes
-        scheduler.every(LOOK_S, self._look)
+        scheduler.every(2 * UPDATE_S, self._look)  # people cannot read what changes faster
 
     def _look(self) -> None:
         for node in self._nodes:

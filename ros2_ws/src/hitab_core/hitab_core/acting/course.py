@@ -12,9 +12,7 @@ from typing import Any, NamedTuple
 
 from hitab_core.acting.draws import Draws
 from hitab_core.running.run_context import Clock, Running
-
-COURSE_SECONDS = 60.0
-"""Simulated time for which states are kept: as far back as a world goes."""
+from hitab_core.training.past import PAST_SECONDS
 
 
 class Moment(NamedTuple):
@@ -70,7 +68,7 @@ class Course:
         now = self._clock.now
         moments.append(Moment(cycle, now, self._draws.count, running.memento()))
         # The last moment before the minute tells what was performed when it began.
-        old = bisect_right(moments, now - COURSE_SECONDS, key=attrgetter("time"))
+        old = bisect_right(moments, now - PAST_SECONDS, key=attrgetter("time"))
         del moments[: max(0, old - 1)]
 
     def at(self, cycle: int) -> Moment | None:

@@ -36,8 +36,8 @@ def demonstrate(
     Args:
         behavior: A behavior, such as GoFast, or GoTo(ball).
         ago: Delay of the command, s of your time. Default: the command counts when it arrives.
-        cycle: The command is for the percept of this cycle of the last minute, as `hitab why` and
-            `hitab perceive --cycle` show it, exactly as if it had come then.
+        cycle: The command is for the percept of this cycle of the last minute, see `hitab why`,
+            exactly as if it had come then.
         unrecorded: Only bring the agent into that state, for example to correct its decisions
             there; no example is recorded.
 

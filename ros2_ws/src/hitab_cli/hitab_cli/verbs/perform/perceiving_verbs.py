@@ -45,9 +45,7 @@ def perceive(
         words = swarm_up.agents.vocabulary(agent)
         chosen = list(features or _all(words))
         if watch and cycle:
-            raise typer.BadParameter(
-                "--watch shows the present, and --cycle a moment that is past"
-            )
+            raise typer.BadParameter("--watch shows the present, --cycle a moment that is past")
         if watch:
             swarm_up.watch(lambda: _rendered(_read(swarm_up, agent, chosen, words)))
         data = _read(swarm_up, agent, chosen, words, cycle)
