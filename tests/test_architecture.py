@@ -39,6 +39,7 @@ CORE_FLOORS = (
     ("assistant",),
     ("training_session",),
     ("agent_library",),
+    ("acting",),
     ("agent",),
     ("labeling", "notebook", "operations", "orders"),
 )
@@ -53,10 +54,10 @@ BUDGET = {
     "hitab_agent": 3000,
     "hitab_bringup": 3050,
     "hitab_class": 200,
-    "hitab_cli": 3300,
+    "hitab_cli": 3350,
     "hitab_client": 4650,
     "hitab_commander": 1150,
-    "hitab_core": 9750,
+    "hitab_core": 10200,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_machines": 1250,
@@ -66,7 +67,7 @@ BUDGET = {
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33900,
+    "tests": 34250,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
