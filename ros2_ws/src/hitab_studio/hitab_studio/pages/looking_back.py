@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from hitab_client import SwarmError
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.field.last_minute import SECONDS, Glimpse, marks, preview_in
+from hitab_studio.field.last_minute import SECONDS, Glimpse, glimpse_at, marks, preview_in
 from hitab_studio.field.scene import frame, roster
 
 if TYPE_CHECKING:
@@ -168,17 +168,21 @@ def look_back(page: Page, at: float, step: int = 0) -> None:
     Raises:
         SwarmError: if nothing of it is remembered.
     """
-    minute = page.studio.link.minute
-    found = minute.scenes.at(max(at, minute.begin), step)
+    minute, real = page.studio.link.minute, page.studio.known.robots is not None
+    moment = at if real else float(round(at) + step)
+    found = minute.scenes.at(max(moment, minute.begin), step if real else 0)
     if found is None:
         raise SwarmError("Nothing of the last minute is remembered yet.")
-    moment, scene = found
+    scene = found[1]
+    moment = found[0] if real else max(moment, minute.begin)  # some cycles were not received
     if moment >= minute.now:
         to_present(page)
         return
     before, palette = page.time.past, page.studio.palette
     drawn = frame(scene, minute.doing(moment), palette)
     past = Past(moment, drawn, roster(scene, palette), page.agent)
+    if (glimpse := glimpse_at(minute.glimpses(page.agent), moment)) is not None:
+        past.path = glimpse.path
     past.cycle = minute.cycle(page.agent, moment, real=scene.real)
     page.time.past = past
     if before is not None and before.asking is not None:
@@ -200,7 +204,7 @@ async def _ask(page: Page, past: Past) -> None:
             past.agent,
         )
         past.readings = {(r.automaton, r.feature): (r.value,) for r in answer.readings}
-        past.path, past.preview = list(answer.active_path), answer.preview
+        past.path, past.preview = list(answer.active_path) or past.path, answer.preview
     except Exception as error:
         past.why = what_went_wrong(error)
     page.news.set()

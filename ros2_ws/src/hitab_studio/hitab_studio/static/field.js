@@ -126,6 +126,7 @@ class Field {
     this.height = clientHeight;
     this.ratio = ratio;
     if (this.view.fitted) this.fit();
+    drawMinute(this);
     this.redraw();
   }
 
