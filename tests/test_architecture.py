@@ -39,6 +39,7 @@ CORE_FLOORS = (
     ("assistant",),
     ("training_session",),
     ("agent_library",),
+    ("acting",),
     ("agent",),
     ("labeling", "notebook", "operations", "orders"),
 )

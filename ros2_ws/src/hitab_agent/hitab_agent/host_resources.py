@@ -17,6 +17,7 @@ from hitab_agent.process_signs import ProcessSigns
 from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_agent.topics.decision_watch import DecisionWatch
 from hitab_agent.topics.distribution import Distributions
+from hitab_agent.topics.preview_watch import PreviewWatch
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
 from hitab_ros import GuardedNode, HostRosters, Lease, names
@@ -96,6 +97,7 @@ class HostResources:
         self.reach = ReachWatch(node, self, rosters)
         self.distributions = Distributions(node, self.nodes)
         self.decisions = DecisionWatch(self.nodes, self.scheduler)
+        self.previews = PreviewWatch(self.nodes, self.scheduler)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
         self.on_demand = (
             EndpointsOnDemand(node, self.scheduler, topics=is_host) if on_demand else None

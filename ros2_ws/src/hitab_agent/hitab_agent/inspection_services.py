@@ -11,12 +11,16 @@ from hitab_agent.node.guarded_tick import failing
 from hitab_agent.topics.automaton_message import automaton_message, training_message
 from hitab_core import (
     FLAGS,
+    NOTHING,
     OWN_FEATURES,
     Agent,
     BasicBehavior,
+    Earlier,
     Fix,
+    Mode,
     Term,
     TrainingError,
+    earlier,
     has,
     quantity,
 )
@@ -58,12 +62,19 @@ class InspectionServices:
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
     ) -> srv.ReadFeatures.Response:
         agent, also = self._agent, [Term.parse(text) for text in request.also]
-        readings = live_features(agent.running, agent.context, also)
+        if request.cycle and request.cycle != agent.cycle:
+            then = earlier(agent, request.cycle, also)
+        else:
+            readings = live_features(agent.running, agent.context, also)
+            trained = agent.session if agent.mode in (Mode.TRAINING, Mode.TESTING) else None
+            preview = NOTHING if trained is None else trained.preview.now()
+            then = Earlier(agent.cycle, readings, agent.active_path, preview)
         answer.readings = [
             msg.Reading(automaton=automaton, feature=feature, value=value)
-            for automaton, feature, value in readings
+            for automaton, feature, value in then.readings
         ]
-        answer.cycle = self._agent.cycle
+        answer.cycle, answer.active_path = then.cycle, list(then.active_path)
+        answer.preview = message_of(msg.Preview, then.preview)
         answer.message = failing(self._agent)
         answer.success = True
         return answer

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from hitab_agent.topics import decision_watch
-from hitab_agent.topics.decision_watch import FAR, LOOKS, DecisionWatch
-from hitab_core import Agent, RatedFunctions, Term, decided_at
+from hitab_agent.topics.decision_watch import LOOKS, DecisionWatch
+from hitab_core import FAR, Agent, RatedFunctions, Term, decided_at
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, Scale
 from hitab_core.example import Example, ExampleKind

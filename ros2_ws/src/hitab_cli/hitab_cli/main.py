@@ -70,7 +70,7 @@ HELP_PANELS = {
     "swarm.policy.policy",
     "Train": "perform.commanding.demonstrate train.driving.drive train.training.train "
     "train.training.start_testing train.training.undo train.training.redo train.training.save "
-    "train.training.discard train.questions.questions",
+    "train.training.discard train.questions.questions train.breakpoint.set_breakpoints",
     "Perform": "perform.commanding.perform perform.commanding.distribute "
     "perform.commanding.vocabulary perform.perceiving.perceive perform.perceiving.why "
     "perform.evaluate.evaluate perform.evaluate.film "
@@ -80,6 +80,9 @@ HELP_PANELS = {
 """The verbs by panel of the help, as folder, module and function of `hitab_cli.verbs`.
 
 Verbs without a panel would come before "Begin here"."""
+
+RENAMED = {"start_testing": "test", "set_breakpoints": "break"}
+"""Verbs whose functions cannot have their names."""
 
 GROUPS = {
     "swarm.world": "Swarm",
@@ -136,7 +139,7 @@ def make_app(wanted: str = "") -> typer.Typer:
             module, _, function = place.rpartition(".")
             if alone and function != wanted:
                 continue
-            name = "test" if function == "start_testing" else function
+            name = RENAMED.get(function, function)
             # The command takes no names of robots, and the error explains why.
             names = {"allow_extra_args": name in ("stop", "go")}
             app.command(name, rich_help_panel=panel, context_settings=names)(

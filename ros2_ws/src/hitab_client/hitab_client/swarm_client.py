@@ -289,7 +289,7 @@ class SwarmClient(AgentPresence):
 
     @blocking
     async def read_features(self, agent: str, also: Sequence[str] = (), cycle: int = 0) -> Any:
-        """Return the values of an agent's features, now or at a cycle; see ReadFeatures.srv."""
+        """Return values of an agent's features, now or in a cycle; see ReadFeatures.srv."""
         request = ReadFeatures.Request(also=list(also), cycle=cycle)
         return await self.ask.coroutine(agent, ReadFeatures, names.READ_FEATURES, request)
 

@@ -1,5 +1,7 @@
 from . import codec as codec
 from . import operations as operations
+from .acting.earlier import Earlier as Earlier
+from .acting.earlier import earlier as earlier
 from .action_behavior import ActionBehavior as ActionBehavior
 from .action_behavior import ActionCall as ActionCall
 from .action_behavior import FeedbackFeature as FeedbackFeature
@@ -7,6 +9,7 @@ from .action_behavior import action_behaviors as action_behaviors
 from .action_behavior import calls_of as calls_of
 from .action_behavior import feedback_feature as feedback_feature
 from .action_behavior import uses_actions as uses_actions
+from .advice.confidence import FAR as FAR
 from .advice.confidence import RatedFunctions as RatedFunctions
 from .advice.remarks import Remark as Remark
 from .advice.remarks import RemarkKind as RemarkKind
@@ -14,6 +17,8 @@ from .agent import Agent as Agent
 from .assistant.caution import Caution as Caution
 from .assistant.caution import WhenUnsure as WhenUnsure
 from .assistant.decided import decided_at as decided_at
+from .assistant.preview import NOTHING as NOTHING
+from .assistant.preview import Preview as Preview
 from .automaton import FLAGS as FLAGS
 from .automaton import OWN_FEATURES as OWN_FEATURES
 from .automaton import OWN_NAMES as OWN_NAMES

@@ -6,15 +6,13 @@ publishes the actions. Errors that a user can fix raise `HitabError` and leave t
 
 from __future__ import annotations
 
-import random
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from hitab_core.acting.acting_agent import ActingAgent
 from hitab_core.advice.remarks import Remark
-from hitab_core.agent_library import AgentLibrary
-from hitab_core.assistant.caution import CautionMonitor, WhenUnsure
 from hitab_core.assistant.people import texts_of
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import Domain
@@ -23,8 +21,7 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.mode import Mode
 from hitab_core.running.observing import Observe
-from hitab_core.running.run_context import RunContext, Running
-from hitab_core.running.seeding import agent_seed
+from hitab_core.running.run_context import RunContext
 from hitab_core.term import Term
 from hitab_core.texts.errors import FeatureValueError, HitabError, TrainingError
 from hitab_core.texts.remedies import Fix
@@ -35,7 +32,7 @@ from hitab_core.training.operation import Operation, Outcome
 from hitab_core.training_session import TrainingSession
 
 
-class Agent(AgentLibrary):
+class Agent(ActingAgent):
     """An agent: a body, a repertoire and, at any time, one top-level behavior or one training.
 
     A training and its examples are kept while the agent performs something else and, given a
@@ -43,9 +40,6 @@ class Agent(AgentLibrary):
 
     Attributes:
         mode: whether the demonstrator or the agent decides, or neither.
-        cycle: the world's cycle, in the last percept.
-        draws: how many random numbers it has drawn.
-        monitor: judges whether decisions are sure, and holds the agent's caution.
     """
 
     def __init__(
@@ -76,28 +70,20 @@ class Agent(AgentLibrary):
         Raises:
             FolderInUseError: if another process uses the journal, or keeps the library locked.
         """
-        super().__init__(name, domain, library, journal_folder, without)
-        self.body = domain.body(name)
-        self.cycle = self.draws = 0
-        self._episode_since = 0
-        self._random = random.Random(agent_seed(seed, 0, name))
-        self.monitor = CautionMonitor()
+        super().__init__(name, domain, library, journal_folder, without, seed)
         self.context = RunContext(
             self.loaded.repertoire,
             self.body,
             FeatureCache(self.body, domain),
-            self._draw,
+            self._draws,
             most_probable,
             observe,
-            number_range=self.monitor.number_range,
+            self.clock,
+            self.monitor.number_range,
         )
         self.session = self._resumed()
         if self.session is not None:
             self.mode = Mode.TRAINING
-
-    def _draw(self) -> float:
-        self.draws += 1
-        return self._random.random()
 
     @property
     def active_path(self) -> list[str]:
@@ -122,87 +108,6 @@ class Agent(AgentLibrary):
         """The flags that the top-level behavior has raised and that are still up."""
         running = self.running
         return frozenset() if running is None else frozenset(running.raised)
-
-    @property
-    def running(self) -> Running | None:
-        """The performed behavior, which may be in training, or None."""
-        return self._performed if self._trained is None else self._trained.running
-
-    @property
-    def _trained(self) -> TrainingSession | None:
-        """The training, unless it waits while something else is performed."""
-        mode = self.mode  # `is` is much faster than a comparison of texts
-        return self.session if mode is Mode.TRAINING or mode is Mode.TESTING else None
-
-    @property
-    def _performed(self) -> Running | None:
-        return self._performance if self.mode is Mode.PERFORMING else None
-
-    # -- perceiving and acting --------------------------------------------------------------
-
-    def sense(
-        self,
-        values: Sequence[float],
-        heard: Sequence[str],
-        cycle: int = 0,
-        time: float = 0.0,
-        *,
-        jumped: bool = False,
-    ) -> None:
-        """Take a percept.
-
-        Args:
-            values: values in the layout of the domain.
-            heard: the messages heard.
-            cycle: the world's cycle.
-            time: simulated time, or the robot's time, s.
-            jumped: whether the situation does not follow from the last one, as when something was
-                placed.
-        """
-        if cycle < self.cycle:
-            self._episode_since = cycle  # the world counts from its beginning again
-        self.cycle = cycle
-        self.context.clock.now = time
-        self.body.sense(values, heard)
-        self.context.feature_cache.forget()
-        if self.session is not None and (session := self._trained) is not None:
-            session.perceive(cycle, time, jumped=jumped)
-
-    def restart(self, seed: int, episode: int) -> None:
-        """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
-        self._episode_since = self.cycle
-        self._random.seed(agent_seed(seed, episode, self.name))
-        if self._trained is not None:
-            self._trained.restart()
-        elif self._performed is not None:
-            self._performed.stop()
-            self._performed.start()
-
-    def tick(self) -> None:
-        """Perform one timestep on the last percept.
-
-        Raises:
-            FeatureValueError: if a feature that a decision needs has no value.
-        """
-        trained = None if self.mode is Mode.PERFORMING else self._trained
-        active = self._performed if trained is None else trained
-        if active is None:
-            return
-        if self.mode is Mode.TRAINING or not self.monitor.judges:
-            active.tick()
-            return
-        examples = () if trained is None else trained.examples
-        if not self.monitor.watch(active.tick, self.running, self.context, examples):
-            self._hand_back()
-
-    def _hand_back(self) -> None:
-        """Hand back if the agent's caution says so."""
-        if self.monitor.caution.when_unsure is not WhenUnsure.HAND_BACK:
-            return
-        if self.mode is Mode.TESTING:
-            self.take_over()
-        else:
-            self.perform(None)
 
     # -- operations -------------------------------------------------------------------------
 

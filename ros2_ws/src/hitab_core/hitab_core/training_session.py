@@ -10,6 +10,7 @@ from hitab_core.advice.remarks import Remark
 from hitab_core.assistant.late_commands import LateCommands
 from hitab_core.assistant.lateness import Lateness
 from hitab_core.assistant.loops import Loops
+from hitab_core.assistant.preview import Previews
 from hitab_core.assistant.question import Question, choice_of
 from hitab_core.assistant.questions import Questions
 from hitab_core.assistant.trial_statistics import TrialStatistics
@@ -29,9 +30,10 @@ from hitab_core.training.retiming import retiming
 from hitab_core.training.trainer import Journal, Trainer
 from hitab_core.training.undo import Edit
 
-ASSISTANTS = ("reaction", "questions", "loops", "episodes")
+ASSISTANTS = ("reaction", "questions", "loops", "episodes", "preview")
 """Names of the assistants: they estimate when late commands were due, ask about the examples, find
-loops in the learned automaton, and remark on the results of many test episodes."""
+loops in the learned automaton, remark on the results of many test episodes, and tell what it would
+do next."""
 
 
 class TrainingSession(Trainer):
@@ -45,6 +47,7 @@ class TrainingSession(Trainer):
     Attributes:
         late: estimates when late commands were due.
         questions: questions of the agent to the demonstrator.
+        preview: what it would do next by what it has learned so far.
     """
 
     def __init__(
@@ -68,10 +71,11 @@ class TrainingSession(Trainer):
         self.questions = Questions(self)
         self._loops = Loops(self)
         self._trial = TrialStatistics(self)
-        subscribe = (a.subscribe for a in (self.late, self.questions, self._loops, self._trial))
-        for name, begin in zip(ASSISTANTS, subscribe, strict=True):
+        self.preview = Previews(self)
+        assistants = (self.late, self.questions, self._loops, self._trial, self.preview)
+        for name, assistant in zip(ASSISTANTS, assistants, strict=True):
             if name not in without:
-                begin()
+                assistant.subscribe()
 
     # -- standing still ---------------------------------------------------------------------
 
@@ -128,6 +132,12 @@ class TrainingSession(Trainer):
         self.events.begun(self.history.restart(str(state)))
         self._taken_over = False
         return []
+
+    def go_back(self, cycle: int) -> None:
+        """Forget the percepts from a cycle on; the examples stay, and percepts follow again."""
+        self.events.interrupted(self.running.active)
+        self.history.back(cycle)
+        self._taken_over = False
 
     # -- after a crash, and with another library ----------------------------------------------
 

@@ -199,7 +199,7 @@ def test_an_exact_command_is_recorded_for_the_percept_seen_and_another_is_estima
     cart.run(20)
     exact = example_of(cart, Command("Right", seen=cart.cycle - 2, pace=1.0, exact=True))
     assert (exact.cycle, exact.features) == (cart.cycle - 2, (cart.cycle - 2.0,))
-    assert exact.ago == pytest.approx(2 * STEP)
+    assert exact.ago == 0.0, "it is not late: it is for that percept"
     cart.run(20)
     late = example_of(cart, Command("Left", seen=cart.cycle - 2, pace=1.0))
     assert late.cycle < cart.cycle - 2, "the person is later than that"

@@ -276,6 +276,8 @@ class AgentNode(AgentBase):
         if agent.monitor.unsure != status.caution.unsure:
             self.status.publish_soon()
             self.shared.diagnostics.soon()
+        if agent.held != status.held:
+            self.status.publish_soon()
         log = self.transition_log
         changed = self._unsettled or log.changed
         if changed:

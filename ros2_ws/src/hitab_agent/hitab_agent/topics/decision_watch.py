@@ -11,11 +11,8 @@ from collections.abc import Sequence
 
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.scheduler import Scheduler
-from hitab_core import RatedFunctions, decided_at
+from hitab_core import FAR, RatedFunctions, decided_at
 from hitab_ros.timing import REMIND_S, UPDATE_S
-
-FAR = 3.0
-"""Distance of a far decision from the nearest example, in spreads of the state's examples."""
 
 LOOKS = round(REMIND_S / UPDATE_S)
 """Number of looks in which all agents have had their turn."""

@@ -14,10 +14,10 @@ from hitab_agent.host_resources import HostResources
 from hitab_agent.links.superior_link import SuperiorLink
 from hitab_agent.node.settings import AgentParameters
 from hitab_agent.topics.transition_log import TransitionLog
-from hitab_core import Agent, Mode, some
+from hitab_core import NOTHING, Agent, Mode, some
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.messages.conversions import remedy_messages
+from hitab_ros.messages.conversions import message_of, remedy_messages
 from hitab_ros.messages.plain_text import plain
 from hitab_ros.nodes.faults import shown
 
@@ -46,6 +46,7 @@ class StatusPublisher:
         topic: the agent's own topic of its status.
         path: the last published path of active states.
         decided_at: distance of recent decisions that were far from all examples; 0 if near.
+        preview: what it would do next, as last seen; published while it is trained or tested.
         superior: the link to the agent's commander; None if it has none.
     """
 
@@ -75,6 +76,7 @@ class StatusPublisher:
         self.message.when_out_of_reach = settings.when_out_of_reach
         self.path: list[str] = []
         self.decided_at = 0.0
+        self.preview = NOTHING
         self.superior: SuperiorLink | None = None
         self._together = ""
         self._commanded: dict[str, float] = {}  # when each demonstrator last commanded
@@ -179,6 +181,11 @@ class StatusPublisher:
         caution.when_unsure = agent.monitor.caution.when_unsure.value
         caution.distance = agent.monitor.caution.distance
         caution.decided_at = self.decided_at
+        if agent.mode not in (Mode.TRAINING, Mode.TESTING):
+            self.preview = NOTHING
+        status.preview = message_of(msg.Preview, self.preview)
+        status.breakpoints = list(map(str, agent.breakpoints.set))
+        status.held = agent.held
         status.cycle = agent.cycle
         status.perceived = agent.context.feature_cache.perceived
         status.library_digest = agent.loaded.digest

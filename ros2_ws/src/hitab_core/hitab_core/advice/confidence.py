@@ -22,6 +22,9 @@ from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.term import Term
 from hitab_core.transition_function import TransitionFunction
 
+FAR = 3.0
+"""Distance of a far decision from the nearest example, in spreads of the state's examples."""
+
 RATED_MAX = 1000
 """Maximum number of functions with confidences; each learning makes new functions."""
 

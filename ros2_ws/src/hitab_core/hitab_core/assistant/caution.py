@@ -119,7 +119,7 @@ class CautionMonitor:
         Returns:
             Whether the agent was sure; otherwise `unsure` is the reason.
         """
-        self.unsure = self._doubts(running, context, trained)
+        self.unsure = self.doubts(running, context, trained, self.caution.distance)
         if not self.unsure:
             self._release()
             self.number_range.max_distance = self.caution.distance or math.inf
@@ -133,19 +133,33 @@ class CautionMonitor:
             self._halt(running)
         return not self.unsure
 
-    def _doubts(
-        self, running: Running | None, context: RunContext, examples: Sequence[Example]
+    def doubts(
+        self,
+        running: Running | None,
+        context: RunContext,
+        examples: Sequence[Example],
+        distance: float,
     ) -> str:
-        """Return why a decision is unsure; empty if all are sure."""
+        """Return why a decision is unsure; empty if all are sure.
+
+        Args:
+            running, context: see `watch`.
+            examples: those of the outermost automaton, if that is in training.
+            distance: largest distance from the nearest example of a sure decision.
+        """
         while isinstance(running, RunningAutomaton):
             own = examples or running.automaton.examples
-            if own and (doubt := self._doubt(running, own, context)):
+            if own and (doubt := self._doubt(running, own, context, distance)):
                 return f"{running.label} in {running.active}: {doubt}"
             running, examples = running.child, ()
         return ""
 
     def _doubt(
-        self, running: RunningAutomaton, examples: Sequence[Example], context: RunContext
+        self,
+        running: RunningAutomaton,
+        examples: Sequence[Example],
+        context: RunContext,
+        distance: float,
     ) -> str:
         function = running.function
         if function is None:
@@ -153,7 +167,7 @@ class CautionMonitor:
         features = running.automaton.features
         domain = context.repertoire.domain
         rated = self._rated.of(function, running.active, features, examples, domain)
-        return rated.doubts(list(map(running.look, features)), self.caution.distance)
+        return rated.doubts(list(map(running.look, features)), distance)
 
     def _halt(self, running: Running | None) -> None:
         """Stop the basic behavior that is performed, until it is released."""

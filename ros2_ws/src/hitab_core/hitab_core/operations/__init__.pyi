@@ -8,6 +8,7 @@ from .examples import Undo as Undo
 from .performing import Distribute as Distribute
 from .performing import LoadLibrary as LoadLibrary
 from .performing import Perform as Perform
+from .performing import SetBreakpoints as SetBreakpoints
 from .performing import SetCaution as SetCaution
 from .table import OPERATIONS as OPERATIONS
 from .training import MOMENT as MOMENT

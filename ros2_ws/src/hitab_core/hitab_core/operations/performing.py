@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from hitab_core.term import Term
 from hitab_core.texts.errors import LibraryError, VocabularyError
 from hitab_core.texts.remedies import Fix
-from hitab_core.texts.wording import quantity
+from hitab_core.texts.wording import quantity, some
 from hitab_core.training.operation import Operation, Outcome, Shipment
 
 if TYPE_CHECKING:
@@ -62,6 +62,30 @@ class SetCaution(Operation):
         caution = Caution.parse(self.when_unsure, self.distance)
         agent.monitor.set(caution)
         return Outcome(f"{agent.name}: {caution}")
+
+
+@dataclass(frozen=True)
+class SetBreakpoints(Operation):
+    """Set where an agent holds its world, before it acts; a robot's agent only says so.
+
+    Breakpoints are gone when the agent's process ends, as its caution is.
+
+    Attributes:
+        breakpoints: states, transitions such as ``ControlBall -> Pass``, or ``unsure``; these
+            replace earlier ones.
+    """
+
+    breakpoints: Sequence[str] = ()
+
+    def apply(self, agent: Agent) -> Outcome:
+        """Set them."""
+        agent.break_at(self.breakpoints)
+        there = some([str(one) for one in agent.breakpoints.set])
+        if agent.domain.link and there:
+            return Outcome(f"{agent.name} reports {there}; a robot does not wait there")
+        return Outcome(
+            f"{agent.name} holds at {there}" if there else f"{agent.name} holds nowhere"
+        )
 
 
 @dataclass(frozen=True)

@@ -67,12 +67,23 @@ class FeatureVector:
 
     def start(self) -> None:
         """Set all timers to now."""
+        self._clock.changes += 1
         self.entered = now = self._clock.now
         self._seen = dict.fromkeys(FLAGS, now)
 
     def enter(self) -> None:
         """Reset the timer of the active state."""
+        self._clock.changes += 1
         self.entered = self._clock.now
+
+    def memento(self) -> tuple[float, dict[str, float]]:
+        """Return the timers, to restore them later."""
+        return self.entered, dict(self._seen)
+
+    def restore(self, memento: tuple[float, dict[str, float]]) -> None:
+        """Restore the timers."""
+        self._clock.changes += 1
+        self.entered, self._seen = memento[0], dict(memento[1])
 
     def query(self, child: Running | None) -> None:
         """Fill in flags and timers for a transition function; clear the flags.
@@ -94,6 +105,7 @@ class FeatureVector:
 
     def take_down(self, raised: set[str]) -> None:
         """Clear flags; their timers count from now."""
+        self._clock.changes += bool(raised)
         for flag in raised:
             self._seen[flag] = self._clock.now
         raised.clear()
@@ -127,11 +139,15 @@ class FeatureVector:
 
     def peek(self, child: Running | None) -> list[float]:
         """Return the values that the next query would see, without clearing flags."""
+        self.preset(child)
+        return self.read()
+
+    def preset(self, child: Running | None) -> None:
+        """Fill in flags and timers as the next query would, without clearing flags."""
         for slot, flag in self._flags:
             self.values[slot] = self._is_up(flag, child)
         for slot, flag in self._timers:
             self.values[slot] = self._seconds_since(flag, child)
-        return self.read()
 
     def look(self, feature: Term, child: Running | None) -> float:
         """Return the value of any feature, in the automaton's terms, or NaN; change nothing."""

@@ -32,12 +32,24 @@ class Running(Protocol):
     def stop(self) -> None:
         """Stop performing, innermost first."""
 
+    def memento(self) -> tuple[Any, ...]:
+        """Return its states, to restore them later; of an automaton, the active label first."""
+
+    def restore(self, memento: Any) -> None:
+        """Be in the states of a memento; behaviors that are not active are stopped or started."""
+
 
 @dataclass(slots=True)
 class Clock:
-    """The simulated time of an agent's last percept, s; set together with the percept."""
+    """The simulated time of an agent's last percept, s; set together with the percept.
+
+    Attributes:
+        now: the time, s.
+        changes: how often a state, a flag or a timer was set, on any level.
+    """
 
     now: float = 0.0
+    changes: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,9 @@ Source: the paper, section 3, "Running HiTAB".
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from hitab_core.action_behavior import ActionBehavior
 from hitab_core.automaton import FLAGS, START, Automaton
@@ -131,7 +132,47 @@ class RunningAutomaton:
         child = self._children[self._active]
         if child is not None:
             child.stop()
+        self.context.clock.changes += 1
         self._active = 0
+
+    def memento(self) -> tuple[Any, ...]:
+        """Return the active state, timers, flags and the same of the child; see `Running`."""
+        inner = None if self.child is None else self.child.memento()
+        return self.active, self.vector.memento(), frozenset(self.raised), inner
+
+    def restore(self, memento: Any) -> None:
+        """Be in the states of a memento; see `Running`."""
+        label, timers, raised, inner = memento
+        index, child = self._index.get(label, 0), self.child
+        if index != self._active:
+            if child is not None:
+                child.stop()
+            self._active = index
+            child = self.child
+            if child is not None:
+                child.start()
+        self.vector.restore(timers)
+        self.raised.clear()
+        self.raised.update(raised)
+        if child is not None and inner is not None:
+            child.restore(inner)
+
+    def upcoming(
+        self, draw: Callable[[], float], *, entered: bool
+    ) -> tuple[str, str, Running | None]:
+        """Return the active state, the one that the next tick would choose, and its behavior.
+
+        Args:
+            draw: function that gives random numbers.
+            entered: whether this automaton would be started before.
+        """
+        active = 0 if entered or self.child is None else self._active
+        child, decide = self._children[active], self._decide[active]
+        chosen = active
+        if decide is not None:
+            self.vector.preset(child)
+            chosen = decide(self.vector.values, self.vector.read_one, draw)
+        return self._labels[active], self._labels[chosen], self._children[chosen]
 
     def tick(self) -> None:
         """Query, change state if the transition function says so, and pulse.
@@ -141,7 +182,8 @@ class RunningAutomaton:
         """
         active = self._active  # S_t
         child = self._children[active]
-        if child is None:
+        if child is None and active:
+            self.context.clock.changes += 1
             active = self._active = 0  # a flag state returns to Start, which is left at once
         vector = self.vector
         if vector.has_own:
@@ -184,7 +226,8 @@ class RunningAutomaton:
         child = self._children[self._active]
         if child is not None:
             child.tick()
-        else:
+        elif self._active:
+            self.context.clock.changes += 1
             self._active = 0  # a flag was raised; the flag state is left at once
 
     def go_to(self, label: str) -> None:
@@ -230,6 +273,7 @@ class RunningAutomaton:
         """Give numbers to the behavior of the active state, if it takes any."""
         child = self.child
         if isinstance(child, RunningWithNumbers):
+            self.context.clock.changes += 1
             child.give(numbers)
 
     def take_down_flags(self) -> None:

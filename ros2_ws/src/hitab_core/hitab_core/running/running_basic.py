@@ -47,6 +47,16 @@ class RunningBasicBehavior:
         """Stop performing."""
         self._stop()
 
+    def memento(self) -> tuple[Any, ...]:
+        """Return what a pulse depends on; see `Running.memento`."""
+        return self._pulsed, frozenset(self.raised)
+
+    def restore(self, memento: Any) -> None:
+        """Restore it."""
+        self._pulsed = memento[0]
+        self.raised.clear()
+        self.raised.update(memento[1])
+
 
 class RunningWithNumbers(RunningBasicBehavior):
     """A basic behavior that takes numbers; it does nothing while it has none.
@@ -93,6 +103,16 @@ class RunningWithNumbers(RunningBasicBehavior):
         """Stop performing."""
         if not self._halted:
             super().stop()
+
+    def memento(self) -> tuple[Any, ...]:
+        """Return what a pulse depends on, with the numbers."""
+        return *super().memento(), self.numbers
+
+    def restore(self, memento: Any) -> None:
+        """Restore it; halted behaviors are given numbers again, or not, by the next decision."""
+        super().restore(memento)
+        if memento[2]:
+            self.give(memento[2])
 
 
 class RunningAction(RunningBasicBehavior):

@@ -61,20 +61,23 @@ class ExampleLog:
 
     # -- preparing --------------------------------------------------------------------------
 
-    def addition(self, taught: Sequence[Example], settled: Sequence[Example] = ()) -> Edit:
+    def addition(
+        self, taught: Sequence[Example], settled: Sequence[Example] = (), *, stays: bool = False
+    ) -> Edit:
         """Prepare to add the examples of a command; the first one gives the states.
 
         Args:
             taught: the examples of the command.
             settled: earlier examples, changed in the light of the command
                 (`hitab_core.assistant.lateness`).
+            stays: whether the agent continued with what it did, as it then does after an undo.
         """
         if not taught:
             return Edit()
         first = taught[0]
         words = f"{first.state} → {first.next_state}, {quantity(len(taught), 'example')}"
         edit = self.replacement([*settled, *taught], words)
-        return replace(edit, left=first.state, entered=first.next_state)
+        return edit if stays else replace(edit, left=first.state, entered=first.next_state)
 
     def prepared(self, record: Mapping[str, Any]) -> Edit | None:
         """Prepare the edit that a record of the journal describes; None if there is none.
@@ -88,7 +91,7 @@ class ExampleLog:
                     [from_dict(Example, e) for e in record.get(key, ())]
                     for key in ("examples", "settled")
                 )
-                return self.addition(taught, settled)
+                return self.addition(taught, settled, stays=record.get("stays", False))
             case "undo":
                 return self.history.undo()
             case "redo":

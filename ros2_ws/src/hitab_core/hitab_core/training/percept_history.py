@@ -20,10 +20,12 @@ from hitab_core.domain import Domain
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.term import Term
 from hitab_core.texts.errors import FeatureValueError, TrainingError
+from hitab_core.training.events import Given
+from hitab_core.training.past import Past
 from hitab_core.training.percepts import PerceptRecord, nearest, readable, state_of
 
 KEPT_SECONDS = 10.0
-"""Simulated time for which percepts are kept."""
+"""Simulated time in which a command may be late; for older percepts see `past`."""
 
 WINDOW_SECONDS = 2.0
 """Minimum time before its command for which percepts stay with an example."""
@@ -42,6 +44,7 @@ class PerceptHistory:
 
     Attributes:
         readable: names of the readings.
+        past: the percepts of the last minute as they were, for exact commands.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class PerceptHistory:
         """
         found = tuple(names) or readable(domain, parameters)
         self.readable = (*found, *(term for term in chosen if term not in found))
+        self.past = Past()
         self._kept: list[PerceptRecord] = []
         self._windows: dict[int, tuple[float, tuple[PerceptRecord, ...]]] = {}
         self._column = {term: i for i, term in enumerate(self.readable)}
@@ -76,6 +80,10 @@ class PerceptHistory:
     def time(self) -> float:
         """The simulated time of the last percept, s; 0 if there was none."""
         return self._kept[-1].time if self._kept else 0.0
+
+    def is_gone(self, given: Given) -> bool:
+        """Whether a command is exact and for a percept before the last one."""
+        return given.exact and bool(self._kept) and 0 < given.seen < self._kept[-1].cycle
 
     @property
     def is_past(self) -> bool:
@@ -109,8 +117,10 @@ class PerceptHistory:
         kept = self._kept
         if kept and moment.time < kept[-1].time:
             kept.clear()  # the world's clock was set back
-        if len(kept) > 1 and kept[-1].time - kept[-2].time < STEP_SECONDS:
+        too_fast = len(kept) > 1 and kept[-1].time - kept[-2].time < STEP_SECONDS
+        if too_fast:
             kept.pop()
+        self.past.add(moment, instead=too_fast)
         kept.append(moment)
         if moment.time - kept[0].time > KEPT_SECONDS:
             first = bisect_right(kept, moment.time - KEPT_SECONDS, key=lambda m: m.time)
@@ -124,6 +134,7 @@ class PerceptHistory:
             readings = as_entered(self.readable, moment.readings, seconds)
             return replace(moment, state=label, readings=readings)
 
+        self.past.intervened = due.time
         self._kept = [entered(m) if m.time > due.time else m for m in self._kept]
         self._entered = entered(due)
 
@@ -135,9 +146,20 @@ class PerceptHistory:
             self._kept[place] = replace(self._kept[place], state=state)
         self._entered = None
 
+    def intervened(self, state: str) -> None:
+        """Note that somebody intervened in a state, which commands for the past do not undo."""
+        self.past.intervened = self.time
+
     def begin(self) -> None:
         """Forget earlier percepts, which have no connection with later ones."""
         self._kept = []
+        self._entered = None
+        self.past.forget()
+
+    def back(self, cycle: int) -> None:
+        """Forget the percepts from a cycle on, since the world went back to it."""
+        self.past.back(cycle)
+        self._kept = [m for m in self._kept if m.cycle < cycle]
         self._entered = None
 
     def restart(self, state: str) -> PerceptRecord | None:
@@ -159,23 +181,23 @@ class PerceptHistory:
         self,
         running: RunningAutomaton,
         features: Sequence[Term],
-        cycle: int,
-        seen: int,
+        given: Given,
     ) -> PerceptRecord:
-        """Return the moment at which a command was due.
+        """Return the moment at which a command was due; an exact one for the past, see `past`.
 
         Args:
             running: the performed behavior.
             features: features of the automaton in training.
-            cycle: the world's cycle, now.
-            seen: the world's cycle that the demonstrator saw; 0 for the last one.
+            given: the world's cycles, now and as the demonstrator saw it.
 
         Raises:
             TrainingError: if that moment is not kept.
             FeatureValueError: see `FeatureVector.read`.
         """
-        if seen:
-            due = self.at(0.0, seen)
+        if self.is_gone(given):
+            return self.past.at(given.seen)
+        if given.seen:
+            due = self.at(0.0, given.seen)
             entered = self._entered
             if entered is not None and due.time <= entered.time:
                 due = entered  # no command was due before the person's previous command
@@ -186,7 +208,7 @@ class PerceptHistory:
         readings = list(self._read(running))
         for feature, value in zip(features, values, strict=True):
             readings[self._column[feature]] = value
-        return PerceptRecord(cycle, self.time, state_of(running.active), tuple(readings))
+        return PerceptRecord(given.cycle, self.time, state_of(running.active), tuple(readings))
 
     def at(self, ago: float, seen: int = 0) -> PerceptRecord:
         """Return the moment nearest to when a command was due.
@@ -266,16 +288,29 @@ class PerceptHistory:
         step = -(-len(chosen) // WINDOW_MAX) or 1
         return tuple(m for i, m in enumerate(reversed(chosen)) if i % step == 0)[::-1]
 
-    def around(self, due: PerceptRecord) -> dict[str, Any]:
-        """Return the journal's fields for the percepts around a command."""
-        return {"time": self.time, "moments": list(map(to_dict, self.window(due)))}
+    def around(self, due: PerceptRecord, given: Given) -> dict[str, Any]:
+        """Return the journal's fields for the percepts around a command.
+
+        Args:
+            due: the percept for which it was due.
+            given: the circumstances; if it is for the past, the fields are those of that time,
+                ``as_of``, and ``stays`` if the agent continues with what it does.
+        """
+        if not self.is_gone(given):
+            return {"time": self.time, "moments": list(map(to_dict, self.window(due)))}
+        moments = self.past.before(due, WINDOW_SECONDS)
+        step = -(-len(moments) // WINDOW_MAX) or 1
+        found = {"time": self.time, "moments": list(map(to_dict, moments[::-step][::-1]))}
+        stays = {"stays": True} if self.past.intervened > due.time else {}
+        return {**found, "as_of": due.time, **stays}
 
     def keep_around(self, record: Mapping[str, Any]) -> None:
         """Keep the percepts around a command, from its record in the journal."""
         moments = tuple(from_dict(PerceptRecord, m) for m in record.get("moments", ()))
         if moments:
             command = int(record["examples"][0]["command"])
-            self._windows[command] = (float(record["time"]), moments)
+            time = float(record.get("as_of", record["time"]))
+            self._windows[command] = (time, moments)
 
     def kept(self) -> Iterator[PerceptRecord]:
         """Iterate over the percepts kept around all commands."""

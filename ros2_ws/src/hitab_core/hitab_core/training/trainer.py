@@ -112,6 +112,7 @@ class Trainer:
         self._left = False  # the agent performs another behavior
         self.note, self._journal = "", journal
         self.events = TrainingEvents()
+        self.events.interrupted.subscribe(self.history.intervened)
         self.running = self._in_start()
 
     def _in_start(self) -> RunningAutomaton:
@@ -139,11 +140,10 @@ class Trainer:
 
         Args:
             state: the behavior with its targets and numbers, or a flag.
-            given: who gives the command, and when it was due.
+            given: who gives the command, and when it was due; for the past, see `training.past`.
 
         Returns:
-            The recorded examples: one, plus a default example unless the behavior is one-shot or
-                was already running.
+            The recorded examples: one, plus a default example unless it is one-shot or was active.
 
         Raises:
             TrainingError: in testing mode, if the curriculum excludes the behavior, or if the
@@ -155,16 +155,19 @@ class Trainer:
         state, numbers = self.context.repertoire.commanded(state)
         check_state(state, self.curriculum, self.context.repertoire)
         proposal = self._due(str(state), given)
-        examples = self._examples(state, numbers, proposal.due)
-        record: Record = {"do": "command", "examples": list(map(to_dict, examples))}
-        record = {**record, **self.history.around(proposal.due), **proposal.record}
-        self._do(record, self.log.addition(examples, proposal.settled))
-        self._go_to(state, numbers, proposal.due)
+        due, around = proposal.due, self.history.around(proposal.due, given)
+        examples, stays = self._examples(state, numbers, due, around), "stays" in around
+        record: Record = {"do": "command", "examples": list(map(to_dict, examples)), **around}
+        edit = self.log.addition(examples, proposal.settled, stays=stays)
+        self._do({**record, **proposal.record}, edit)
+        self.running.add_state(state)
+        if not stays:
+            self._go_to(state, numbers, due)
         self.note, self._taken_over = "", False
         return examples
 
     def _examples(
-        self, state: Term, numbers: tuple[float, ...], due: PerceptRecord
+        self, state: Term, numbers: tuple[float, ...], due: PerceptRecord, around: Record
     ) -> list[Example]:
         """Return the example of a command that was due at a percept, and its default example."""
         f_t = self.history.values(due, self.curriculum.features)
@@ -176,7 +179,7 @@ class Trainer:
             number=self.log.next_number,
             command=self.log.next_command,
             cycle=due.cycle,
-            ago=max(0.0, self.history.time - due.time),
+            ago=max(0.0, around.get("as_of", self.history.time) - due.time),
             readings=due.readings,
             numbers=numbers,
         )
@@ -189,7 +192,6 @@ class Trainer:
         label, running = str(state), self.running
         self.history.enter(label, due)
         running.take_down_flags()
-        running.add_state(state)
         running.go_to(label)
         running.set_numbers(numbers)
         if label != due.state:
@@ -198,9 +200,8 @@ class Trainer:
     def _due(self, label: str, given: Given) -> Proposal:
         """Return when a command was due: by an assistant's estimate, or as the person states."""
         given.check()
-        running, features = self.running, self.curriculum.features
-        stated = partial(self.history.due, running, features, given.cycle, given.seen)
-        taken_over_in = running.active if self._taken_over else ""
+        stated = partial(self.history.due, self.running, self.curriculum.features, given)
+        taken_over_in = self.running.active if self._taken_over else ""
         proposal = self.events.commanded(CommandGiven(label, given, taken_over_in, stated))
         return proposal or Proposal(stated())
 
@@ -364,8 +365,7 @@ class Trainer:
         """Make a step that the journal has: change the examples and notify assistants."""
         if edit is not None:
             self.log.make(edit)
-        if record["do"] == "command":
-            self.history.keep_around(record)
+        self.history.keep_around(record)
         self._tested |= record["do"] == "test"
         self.events.changed(record)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -22,6 +23,7 @@ def demonstrate(
     agent: str,
     command: Command,
     ago: Annotated[float | None, typer.Option("--ago")] = None,
+    cycle: Annotated[int, typer.Option("--cycle", show_default=False)] = 0,
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
 
@@ -34,6 +36,8 @@ def demonstrate(
     Args:
         behavior: A behavior, such as GoFast, or GoTo(ball).
         ago: Delay of the command, s of your time. Default: the command counts when it arrives.
+        cycle: The command is for the percept of this cycle of the last minute, as `hitab why` and
+            `hitab perceive --cycle` show it, exactly as if it had come then.
         unrecorded: Only bring the agent into that state, for example to correct its decisions
             there; no example is recorded.
 
@@ -42,9 +46,14 @@ def demonstrate(
       hitab demonstrate keeper_1 GoTo ball
       hitab demonstrate keeper_1 RunTowards direction=40
       hitab demonstrate keeper_1 GoFast --ago 0.5
+      hitab demonstrate keeper_1 GoFast --cycle 424
       hitab demonstrate keeper_1 Done
       hitab demonstrate keeper_1 TurnToBall --unrecorded
     """
+    if ago and cycle:
+        raise typer.BadParameter("--ago and --cycle both say when it was due; give one of them")
+    if cycle:
+        command = replace(command, seen=cycle, exact=True)
     passed = _passed(swarm_up, agent, ago) if ago else 0.0
     answer = swarm_up.agents.do(agent, command, world=swarm_up.world)
     if passed and answer.examples:

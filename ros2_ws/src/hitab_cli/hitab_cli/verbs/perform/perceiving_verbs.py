@@ -20,6 +20,7 @@ def perceive(
     agent: AgentName,
     features: Annotated[list[str] | None, typer.Argument()] = None,
     watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
+    cycle: Annotated[int, typer.Option("--cycle", show_default=False)] = 0,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -32,17 +33,24 @@ def perceive(
     Args:
         features: Features, such as DistanceTo(ball). Default: all, with all targets.
         watch: Keep it up to date.
+        cycle: In a training, the percept of this cycle of the last minute, as `hitab why` tells
+            them, with the states of then. Default: now.
 
     Examples:
       hitab perceive keeper_1
+      hitab perceive keeper_1 --cycle 424
       hitab perceive keeper_1 "DistanceTo(ball)" --watch
     """
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
         chosen = list(features or _all(words))
+        if watch and cycle:
+            raise typer.BadParameter(
+                "--watch shows the present, and --cycle a moment that is past"
+            )
         if watch:
             swarm_up.watch(lambda: _rendered(_read(swarm_up, agent, chosen, words)))
-        data = _read(swarm_up, agent, chosen, words)
+        data = _read(swarm_up, agent, chosen, words, cycle)
         console.show(json, data, *_rendered(data))
 
 
@@ -88,9 +96,11 @@ def _all(words: Any) -> Iterator[str]:
                 yield str(Term(term.name, targets))
 
 
-def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> dict[str, Any]:
-    """Return the features now, and the agent's faults, as plain data."""
-    answer = swarm_up.agents.read_features(agent, chosen)
+def _read(
+    swarm_up: Connection, agent: str, chosen: list[str], words: Any, cycle: int = 0
+) -> dict[str, Any]:
+    """Return the features now or in a cycle, the states, and the agent's faults, as plain data."""
+    answer = swarm_up.agents.read_features(agent, chosen, cycle)
     known = {Term.parse(feature.name).name: feature for feature in words.features}
     found = []
     for read in answer.readings:
@@ -111,6 +121,8 @@ def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> di
     faults = [*(status.faults if status is not None else ()), answer.message]
     return {
         "agent": agent,
+        "active_path": list(answer.active_path),
+        "preview": answer.preview.state,
         "features": sorted(found, key=lambda reading: bool(reading["automaton"])),
         "faults": [*dict.fromkeys(filter(None, faults))],
     }
@@ -126,7 +138,11 @@ def _rendered(data: dict[str, Any]) -> list[Any]:
         for one in data["features"]
     ]
     faults = [console.line(fault, "red") for fault in data["faults"]]
-    return [console.table(("feature", "value", "unit"), rows), *faults]
+    path = f"in {'/'.join(data['active_path'])}" if data["active_path"] else ""
+    next_state = f"would choose {data['preview']}" if data["preview"] else ""
+    states = ", ".join(filter(None, (path, next_state)))
+    shown = [states] if states else []
+    return [console.table(("feature", "value", "unit"), rows), *shown, *faults]
 
 
 def _value(value: float | None, kind: str, unit: str, **_: Any) -> str:

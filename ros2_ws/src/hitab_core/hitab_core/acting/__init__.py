@@ -1,0 +1,1 @@
+"""What an agent does with its percepts, in time and back in time."""
