@@ -44,6 +44,13 @@ def run(swarm: Any, person: Person, cycles: int) -> int:
     return last
 
 
+def breakpoints(swarm: Any, *wanted: str) -> bool:
+    """Whether the first keeper comes to have these breakpoints."""
+    return bool(
+        swarm.link.spin_until(lambda: (*swarm.agents.statuses[ONE].breakpoints,) == wanted, 15.0)
+    )
+
+
 @needs_browser
 def test_a_key_commands_for_the_moment_that_is_shown(swarm, watcher):
     swarm.agents.do(ONE, Command("GoFast"))
@@ -63,7 +70,7 @@ def test_a_key_commands_for_the_moment_that_is_shown(swarm, watcher):
     watcher.does_not_see("past")
     examples = present_training(swarm).examples
     (stop,) = [e for e in examples if e.next_state == "Stop" and not e.is_default]
-    assert (stop.state, stop.cycle, stop.ago) == ("GoFast", start, pytest.approx(2.0))
+    assert (stop.state, stop.cycle, stop.ago) == ("GoFast", start, 0.0)
 
 
 @needs_browser
@@ -81,7 +88,6 @@ def test_the_strip_is_dragged_and_left_with_escape(swarm, watcher):
     assert "GoFast" in watcher.page.get_attribute("#minute", "title")
     watcher.page.mouse.down()
     watcher.sees("past")
-    watcher.page.screenshot(path="/tmp/strip2.png")
     watcher.page.mouse.up()
     assert watcher.page.evaluate("studioField.shown") == pytest.approx(last - 20, abs=2)
     watcher.page.keyboard.press("Shift+Period")
@@ -126,3 +132,34 @@ def test_an_agent_that_is_not_trained_learns_nothing_for_the_past(swarm, watcher
     watcher.sees("past")
     watcher.click("do-Stop")
     watcher.page.wait_for_selector("text=is not being trained")
+
+
+@needs_browser
+def test_the_key_that_it_would_press_itself_is_marked(swarm, watcher):
+    swarm.agents.do(ONE, Command("GoFast"))
+    marked = "[data-test='do-GoFast'][class*='agrees-']"
+    watcher.page.wait_for_selector(marked)
+    watcher.waits_until(
+        lambda: watcher.page.evaluate("studioField.previews")[ONE][0] == "GoFast", "in the field"
+    )
+    run(swarm, watcher, 3)
+    watcher.page.keyboard.press(",")
+    watcher.sees("past", "stay there")
+    watcher.page.wait_for_selector(marked)
+
+
+@needs_browser
+def test_a_dot_of_the_drawing_sets_a_breakpoint_and_clears_it(swarm, watcher):
+    for behavior in ("GoFast", "GoSlow"):
+        swarm.agents.do(ONE, Command(behavior))
+        run(swarm, watcher, 2)
+    watcher.click("tab-learned")
+    for place in ("GoSlow", "GoFast -> GoSlow", "unsure"):
+        watcher.click(f"stop-{place}")
+        watcher.sees(f"clear-{place}")
+    assert breakpoints(swarm, "GoSlow", "GoFast -> GoSlow", "unsure")
+    watcher.click("clear-unsure")
+    watcher.does_not_see("clear-unsure")
+    watcher.click("stop-GoSlow")
+    watcher.does_not_see("clear-GoSlow")
+    assert breakpoints(swarm, "GoFast -> GoSlow")

@@ -8,7 +8,7 @@ from hitab_msgs.msg import WorldStatus
 from hitab_msgs.srv import Control
 
 from hitab_client import SwarmError
-from hitab_core.operations import OPERATIONS
+from hitab_core.operations import SetBreakpoints
 from hitab_ros import names
 from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action
@@ -116,5 +116,4 @@ async def breakpoint_(page: Page, data: Data) -> None:
     place = str(data["place"])
     there = list(page.status.breakpoints) if page.status is not None else []
     wanted = [b for b in there if b != place] if place in there else [*there, place]
-    kind = OPERATIONS["set_breakpoints"]
-    await carry_out(page, operation_of(kind, page, data, breakpoints=wanted))
+    await carry_out(page, operation_of(SetBreakpoints, page, data, breakpoints=wanted))
