@@ -13,7 +13,7 @@ from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.actions.time_actions import frozen_now, slow_down, thaw
 from hitab_studio.actions.world_actions import paused
-from hitab_studio.pages.looking_back import Past, to_present
+from hitab_studio.pages.looking_back import PastMoment, to_present
 from hitab_studio.pages.page import CHOOSE_FIRST, Page
 from hitab_studio.pages.page_parts import LostCommand, MissingTargets, ShownNumbers
 
@@ -104,7 +104,7 @@ async def _commanded(page: Page, sent: LostCommand, seen: int, seconds: float = 
             page.tell(f"{agent} performs {behavior}")
 
 
-def _check_past(page: Page, past: Past) -> None:
+def _check_past(page: Page, past: PastMoment) -> None:
     """Refuse a command for a moment from which the agent cannot learn.
 
     Raises:

@@ -7,21 +7,19 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hitab_client import SwarmError
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.timing import HEARTBEAT_S
 from hitab_studio.field.last_minute import SECONDS, Glimpse, glimpse_at, marks, preview_in
 from hitab_studio.field.scene import frame, roster
 
-if TYPE_CHECKING:
-    from hitab_studio.pages.page import Page
+Page = Any
+"""A page, whose module imports this one."""
 
 ROWS_MAX = 8
 """Maximum number of agents on the strip."""
-
-STRIP_S = 0.5
-"""Least time between two strips that differ only in the time, s."""
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
 SURE = 0.75
@@ -29,7 +27,7 @@ SURE = 0.75
 
 
 @dataclass
-class Past:
+class PastMoment:
     """An earlier moment that a page shows instead of the present.
 
     Attributes:
@@ -66,7 +64,7 @@ class PageTime:
     """
 
     def __init__(self) -> None:
-        self.past: Past | None = None
+        self.past: PastMoment | None = None
         self.freezes = self.frozen = False
         self._sent: tuple[Any, ...] = ()
         self._next_strip = 0.0
@@ -82,7 +80,7 @@ class PageTime:
         is_due = time.monotonic() >= self._next_strip
         if (key, now) == self._sent or (self._sent and key == self._sent[0] and not is_due):
             return ""
-        self._sent, self._next_strip = (key, now), time.monotonic() + STRIP_S
+        self._sent, self._next_strip = (key, now), time.monotonic() + HEARTBEAT_S
         color = page.studio.palette.index
         rows = [
             {
@@ -180,7 +178,7 @@ def look_back(page: Page, at: float, step: int = 0) -> None:
         return
     before, palette = page.time.past, page.studio.palette
     drawn = frame(scene, minute.doing(moment), palette)
-    past = Past(moment, drawn, roster(scene, palette), page.agent)
+    past = PastMoment(moment, drawn, roster(scene, palette), page.agent)
     if (glimpse := glimpse_at(minute.glimpses(page.agent), moment)) is not None:
         past.path = glimpse.path
     past.cycle = minute.cycle(page.agent, moment, real=scene.real)
@@ -194,7 +192,7 @@ def look_back(page: Page, at: float, step: int = 0) -> None:
         past.asking = asyncio.create_task(_ask(page, past))
 
 
-async def _ask(page: Page, past: Past) -> None:
+async def _ask(page: Page, past: PastMoment) -> None:
     """Ask the agent what it perceived at a moment, and what it would have done."""
     try:
         if not past.cycle:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 from hitab_client.demonstrating import behavior_keys
 from hitab_studio.field.field_frame import FieldFrame
@@ -13,8 +13,8 @@ from hitab_studio.swarm.launcher import NONE, Launcher
 from hitab_studio.swarm.swarm_link import SwarmLink
 from hitab_studio.swarm.swarm_state import SwarmState
 
-if TYPE_CHECKING:
-    from hitab_studio.pages.page import Page
+Page = Any
+"""A page, whose module imports this one."""
 
 
 class StudioState:
