@@ -64,7 +64,7 @@ BUDGET = {
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1850,
-    "hitab_studio": 4650,
+    "hitab_studio": 5080,
     "hitab_world": 1950,
     "keepaway_world": 1350,
     "tests": 34250,

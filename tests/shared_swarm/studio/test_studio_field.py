@@ -96,12 +96,12 @@ def test_the_keyboard_chooses_moves_and_turns_things(swarm, person):
         if field(person, "[...f.chosen]") == [ONE]:
             break
         before = field(person, "[...f.chosen]")
-        keys.press(">")
+        keys.press("PageDown")
         person.waits_until(lambda b=before: field(person, "[...f.chosen]") != b, "the next one")
     assert ONE in person.page.inner_text("#field-report")
     person.sees("banner", ONE)
     heading = entity(swarm, ONE).heading
-    for key in ("ArrowRight", "ArrowRight", "ArrowUp", ","):
+    for key in ("ArrowRight", "ArrowRight", "ArrowUp", "Alt+ArrowLeft"):
         keys.press(key)
     person.waits_until(lambda: abs(entity(swarm, ONE).x + 5.0) < 0.1, "it was moved")
     person.waits_until(lambda: abs(entity(swarm, ONE).y - 0.5) < 0.1, "it was moved up")

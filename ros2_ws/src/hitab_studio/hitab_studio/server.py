@@ -23,6 +23,9 @@ STUDIO_TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"
 """Cookie with the name of the person."""
 
+FREEZES = "hitab_freezes"
+"""Cookie that is set if the first key of a behavior pauses the world."""
+
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
     '<rect width="32" height="32" rx="8" fill="#2458c5"/>'
@@ -155,7 +158,8 @@ def serve(
     @ui.page("/", title=STUDIO_TITLE, response_timeout=10.0)
     def index(client: Client, request: Request) -> None:
         demonstrator = unquote(request.cookies.get(DEMONSTRATOR, ""))
-        PageView(studio, studio.open(demonstrator), client)
+        freezes = bool(request.cookies.get(FREEZES))
+        PageView(studio, studio.open(demonstrator, freezes=freezes), client)
 
     app.on_startup(studio.start)
     app.on_shutdown(studio.stop)

@@ -50,13 +50,15 @@ async def _send(socket: WebSocket, page: Page) -> None:
             while page.outgoing:
                 await socket.send_text(page.outgoing.popleft())
             try:
-                newest = page.frame()
+                newest, strip = page.frame(), page.time.new_strip(page)
             except Exception as error:
                 page.stop_replay(error)
                 continue
             if newest and newest is not page.sent:
                 page.sent = newest
                 await socket.send_bytes(newest)
+            if strip:
+                await socket.send_text(strip)
             before, layers = layers, page.layers()
             for name, data in layers.items():
                 if data is not before.get(name):

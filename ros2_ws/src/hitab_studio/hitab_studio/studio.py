@@ -11,8 +11,9 @@ from typing import Any
 from hitab_client import SwarmError, user_name
 from hitab_ros.timing import UPDATE_S
 from hitab_studio.field.scene import said_message
-from hitab_studio.pages.page import Page, StudioState
+from hitab_studio.pages.page import Page
 from hitab_studio.pages.person_names import checked
+from hitab_studio.pages.studio_state import StudioState
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm.launcher import NONE
 from hitab_studio.swarm.swarm_finder import SwarmTarget
@@ -60,18 +61,20 @@ class Studio(StudioState):
 
     # -- pages ------------------------------------------------------------------------------
 
-    def open(self, demonstrator: str = "") -> Page:
+    def open(self, demonstrator: str = "", *, freezes: bool = False) -> Page:
         """Return the state of a new page.
 
         Args:
             demonstrator: name of the person, from the browser's cookie; the user who runs the
                 studio if not a valid name.
+            freezes: whether the first key of a behavior pauses the world.
         """
         try:
             name = checked(demonstrator)
         except SwarmError:
             name = user_name()
         page = Page(self, secrets.token_urlsafe(16), name)
+        page.time.freezes = freezes
         self.pages[page.id] = page
         return page
 
@@ -155,7 +158,7 @@ class Studio(StudioState):
     def _broadcast(self, messages: Sequence[str]) -> None:
         for page in self.pages.values():
             if page.player is None:
-                page.outgoing.extend(messages)
+                page.outgoing.extend(messages if page.time.past is None else ())
                 page.news.set()
 
     async def _play(self) -> None:

@@ -50,6 +50,6 @@ def test_the_browser_remembers_the_name_of_its_person(tmp_path, monkeypatch):
         await perform(page, {"do": "name-set", "values": {"demonstrator": "Änne"}})
         assert (page.demonstrator, page.dialog) == ("Änne", {})
         sent = [json.loads(message) for message in page.outgoing]
-        assert {"t": "demonstrator", "name": "Änne"} in sent
+        assert {"t": "remember", "name": "demonstrator", "value": "Änne"} in sent
 
     asyncio.run(run())

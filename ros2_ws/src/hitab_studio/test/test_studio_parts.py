@@ -231,7 +231,7 @@ def test_scenes_of_many_things_are_remembered_for_a_shorter_time(count: int):
         scenes.see(replace(many, cycle=cycle))
     scenes.keep("ant", "Near", enumerate(range(RECENT + 10)))
     back = 3  # an example without a scene of its cycle has that of one shortly before
-    assert len(scenes.kept) in range(RECENT // 10, min(RECENT, THINGS_MAX // count) + back)
+    assert len(scenes.kept) in range(30, min(RECENT, THINGS_MAX // count) + back)
 
 
 # -- learned behaviors ----------------------------------------------------------------------

@@ -30,6 +30,7 @@ async def command(
     behavior: str,
     *,
     seen: int,
+    exact: bool = False,
     id: str = "",
     by: str = "",
     seconds: float = ANSWER_S,
@@ -45,6 +46,7 @@ async def command(
         behavior: behavior with its targets.
         seen: the world's cycle that the person saw; 0 for the last one. While the world runs, the
             agent estimates the person's reaction time before that cycle.
+        exact: whether the person chose that cycle looking back, and did not react to it.
         id: the same when the command is sent again, see `Operation`.
         by: name of the demonstrator; empty for the client's own.
         seconds: timeout for the agent's answer.
@@ -66,9 +68,10 @@ async def command(
     paused = world.status is not None and world.status.mode == WorldState.PAUSED
     meant = Command(
         behavior,
-        seen=0 if paused else seen,  # the paused world has not changed since
+        # The paused world has not changed since.
+        seen=0 if paused and not exact else seen,
         pace=simulated(1.0, world.status, world.speed),
-        exact=paused,
+        exact=exact or paused,
         id=id,
         by=by,
     )

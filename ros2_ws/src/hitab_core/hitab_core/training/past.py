@@ -39,16 +39,16 @@ class Past:
         self.kept: list[PerceptRecord] = []
         self.intervened = -1.0
 
-    def add(self, percept: PerceptRecord, *, instead: bool = False) -> None:
+    def add(self, percept: PerceptRecord, step: float) -> None:
         """Keep a percept, in place of those of its cycle and later ones.
 
         Args:
             percept: the percept.
-            instead: whether it also takes the place of the last one, which it follows too fast.
+            step: least time between kept percepts, s; of faster ones, some are left out.
         """
         kept = self.kept
-        if instead:
-            del kept[-1:]
+        if len(kept) > 1 and kept[-1].time - kept[-2].time < step:
+            kept.pop()
         while kept and (kept[-1].cycle >= percept.cycle or kept[-1].time > percept.time):
             kept.pop()
         kept.append(percept)

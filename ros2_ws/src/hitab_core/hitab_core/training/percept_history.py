@@ -117,10 +117,9 @@ class PerceptHistory:
         kept = self._kept
         if kept and moment.time < kept[-1].time:
             kept.clear()  # the world's clock was set back
-        too_fast = len(kept) > 1 and kept[-1].time - kept[-2].time < STEP_SECONDS
-        if too_fast:
+        if len(kept) > 1 and kept[-1].time - kept[-2].time < STEP_SECONDS:
             kept.pop()
-        self.past.add(moment, instead=too_fast)
+        self.past.add(moment, STEP_SECONDS)
         kept.append(moment)
         if moment.time - kept[0].time > KEPT_SECONDS:
             first = bisect_right(kept, moment.time - KEPT_SECONDS, key=lambda m: m.time)

@@ -11,7 +11,9 @@ from hitab_ros.call import RequestRefused
 from hitab_ros.timing import ANSWER_S, PROMPT_S
 from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action, number_from
+from hitab_studio.actions.time_actions import frozen_now, slow_down, thaw
 from hitab_studio.actions.world_actions import paused
+from hitab_studio.pages.looking_back import PastMoment, to_present
 from hitab_studio.pages.page import CHOOSE_FIRST, Page
 from hitab_studio.pages.page_parts import LostCommand, MissingTargets, ShownNumbers
 
@@ -24,6 +26,8 @@ async def command(page: Page, data: Data) -> None:
         await give_target(page, given)  # pressed before the page showed the targets
         return
     page.shown_numbers = page.missing_targets = None
+    if await frozen_now(page):
+        return
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = Term.parse(behavior).arguments
     open_ = [p for p in parameters if p not in page.watched.vocabulary.targets]
@@ -69,8 +73,10 @@ async def _commanded(page: Page, sent: LostCommand, seen: int, seconds: float = 
         seconds: timeout for the answer; discovery of a restarted agent takes time.
     """
     agent, behavior = page.take_agent(), sent.behavior
-    by, learns = page.demonstrator, page.is_training
+    by, learns, past = page.demonstrator, page.is_training, page.time.past
     page.lost = None
+    if past is not None:
+        _check_past(page, past)
     try:
         await page.ask(
             lambda swarm: demonstrating.command.coroutine(
@@ -78,7 +84,8 @@ async def _commanded(page: Page, sent: LostCommand, seen: int, seconds: float = 
                 swarm.world,
                 agent,
                 behavior,
-                seen=seen,
+                seen=past.cycle if past is not None else seen,
+                exact=past is not None,
                 id=sent.id,
                 by=by,
                 seconds=seconds,
@@ -91,8 +98,25 @@ async def _commanded(page: Page, sent: LostCommand, seen: int, seconds: float = 
             raise
         page.lost = sent
     else:
+        to_present(page)
+        await thaw(page)
         if not learns:
             page.tell(f"{agent} performs {behavior}")
+
+
+def _check_past(page: Page, past: PastMoment) -> None:
+    """Refuse a command for a moment from which the agent cannot learn.
+
+    Raises:
+        SwarmError: if so.
+    """
+    if not page.is_training:
+        raise SwarmError(
+            f"{page.agent} is not being trained, so it learns nothing for a moment that is past. "
+            "Press Esc to command it now."
+        )
+    if not past.cycle:
+        raise SwarmError(past.why or f"It is not known which cycle of {page.agent} that was.")
 
 
 @action("send-again")
@@ -207,6 +231,7 @@ async def begin(page: Page, data: Data) -> None:
         if shown != name:  # a fast typist has not seen the warning yet
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
     await carry_out(page, operation)
+    await slow_down(page)
     if values.get("pause") and await page.ask_world(paused):
         page.tell("The world is paused; Space lets it run")
     page.tab = "teach"

@@ -12,7 +12,7 @@ from hitab_studio.pages.person_names import checked
 async def name_set(page: Page, data: Data) -> None:
     """Set the demonstrator's name, which the browser keeps."""
     page.set_demonstrator(checked(str(data["values"].get("demonstrator", ""))))
-    page.send({"t": "demonstrator", "name": page.demonstrator})
+    page.send({"t": "remember", "name": "demonstrator", "value": page.demonstrator})
     page.close_dialog()
 
 

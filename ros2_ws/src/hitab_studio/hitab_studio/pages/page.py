@@ -6,33 +6,33 @@ import asyncio
 import json
 import logging
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
 from hitab_client.attention import Item
-from hitab_client.demonstrating import behavior_keys
 from hitab_core.training.operation import Operation
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns
-from hitab_studio.field.field_frame import EMPTY, FieldFrame
-from hitab_studio.field.scene import Palette, frame, roster, said_message
+from hitab_studio.field.field_frame import EMPTY
+from hitab_studio.field.scene import frame, roster, said_message
+from hitab_studio.pages.looking_back import PageTime, look_back, to_present
 from hitab_studio.pages.notices import Notices
 from hitab_studio.pages.page_parts import (
     ExamplesTable,
     LostCommand,
-    Making,
     MissingTargets,
     ShownNumbers,
 )
 from hitab_studio.pages.person_names import distinct
+from hitab_studio.pages.studio_state import StudioState
+from hitab_studio.robots.robot_messages import NO_SCANS
 from hitab_studio.swarm.absence import absence
 from hitab_studio.swarm.agent_watch import AgentState
-from hitab_studio.swarm.launcher import NONE, Launcher
 from hitab_studio.swarm.replay import ReplayPlayer
-from hitab_studio.swarm.swarm_link import Connected, SwarmLink
+from hitab_studio.swarm.swarm_link import Connected
 from hitab_studio.swarm.swarm_state import SwarmState
 
 T = TypeVar("T")
@@ -41,51 +41,6 @@ NO_AGENT = AgentState()
 RECORDING = "This is a recording: close it first (Esc) to act on the swarm."
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
 REAL = "These are real robots: they cannot be paused, moved by dragging or reset."
-
-
-class StudioState:
-    """The state that all pages share.
-
-    Attributes:
-        link: the connection to the swarm.
-        known: the state of the swarm.
-        version: raised with each change that pages show.
-        palette: the colors of states.
-        placements: positions of all things before each placement, newest last, for undo.
-        snapshots: names of the world's snapshots.
-        held: the page that holds an agent, by agent; other pages may not command this agent.
-        pages: the open pages, by id.
-        keys: the keys that command behaviors.
-        present: the present field, encoded for pages.
-        launcher: starts and stops swarms.
-        making: the generation being made, or made last; None before the first.
-    """
-
-    def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
-        self.link = link
-        self.known, self.version = SwarmState(), 0
-        self.palette = Palette()
-        self.placements: list[dict[str, dict[str, float]]] = []
-        self.snapshots: tuple[str, ...] = ()
-        self.held: dict[str, Page] = {}
-        self.pages: dict[str, Page] = {}
-        link.colors, link.pages = self.palette.given, self.pages
-        self.keys = behavior_keys.Keys(behavior_keys.file())
-        self.present = FieldFrame(self.palette)
-        self.launcher = Launcher(startable, self.touch)
-        self.making: Making | None = None
-
-    @property
-    def why_busy(self) -> str:
-        """Reason for refusing other requests to the swarm at present; "" if none."""
-        made = self.making
-        if made is None or not made.doing:
-            return ""
-        return f"{made.agent} is making a generation of {made.behavior}: wait for it, or stop it."
-
-    def touch(self) -> None:
-        """Have all pages redrawn."""
-        self.version += 1
 
 
 class Page:
@@ -109,6 +64,7 @@ class Page:
         not_taken: behaviors of commands that were not taken, by agent, until the page can show it.
         dialog: the open dialog, with the values of its template; {} if none.
         player: the player of the open recording; None if none.
+        time: the earlier moment that it shows, if any, and the person's choices about time.
         messages: notices of successes and failures.
         connected: whether the browser is connected.
         leave: closes the page after the current request.
@@ -135,6 +91,7 @@ class Page:
         self.behavior = ""
         self.compare: tuple[str, Learned] | None = None
         self.player: ReplayPlayer | None = None
+        self.time = PageTime()
         self.connected = False
         self.leave: Callable[[], None] = lambda: None
         self.sent = b""
@@ -212,6 +169,8 @@ class Page:
             self.missing_targets = self.shown_numbers = None
             self.compare = None
             self.table = ExamplesTable()
+            if self.time.past is not None:
+                look_back(self, self.time.past.at)
         self.touch()
 
     def choose(self, names: list[str]) -> None:
@@ -223,6 +182,7 @@ class Page:
     def forget_agents(self) -> None:
         """View no agent, after the swarm was replaced by another one."""
         self.close_dialog()
+        to_present(self)
         self.lost = None
         self.folds.clear()
         self.look_at("")
@@ -233,6 +193,8 @@ class Page:
 
     def frame(self) -> bytes:
         """Return the current frame of the swarm or of the open recording."""
+        if self.time.past is not None:
+            return self.time.past.frame
         if self.player is None:
             return self.studio.present.frame
         state = self.player.state
@@ -240,10 +202,12 @@ class Page:
         return frame(state.scene, state.doing(), self.studio.palette)
 
     def layers(self) -> dict[str, bytes]:
-        """Return the current layers of real robots; {} in a replay or with a simulated world."""
+        """Return the layers of real robots that are shown; {} in a replay or a simulated world."""
         robots = self.studio.known.robots
         if robots is None or self.player is not None:
             return {}
+        if self.time.past is not None:  # scans and pictures are not remembered
+            return {"scans": NO_SCANS} | {k: d for k, d in robots.layers.items() if k == "map"}
         shown = ("map", "scans", f"camera {self.agent}")
         return {name: data for name, data in robots.layers.items() if name in shown}
 
@@ -254,7 +218,8 @@ class Page:
         if self.player is not None:
             self.show_moment()
         else:
-            self.outgoing.append(self.studio.present.roster or EMPTY)
+            past = self.time.past
+            self.outgoing.append(past.roster if past else self.studio.present.roster or EMPTY)
         self.news.set()
 
     def show_moment(self) -> None:

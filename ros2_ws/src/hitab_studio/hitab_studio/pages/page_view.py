@@ -33,8 +33,8 @@ PAUSE_FACTOR = 2.0
 half of the server's time to commands. Changes made on the page itself are drawn at once."""
 
 CANVAS = (
-    'role="application" aria-label="The things in the field. < and > choose one, the '
-    'arrow keys move it, comma and period turn it."'
+    'role="application" aria-label="The things in the field. Page Up and Page Down choose one, '
+    'the arrow keys move it, and with Alt turn it."'
 )
 
 

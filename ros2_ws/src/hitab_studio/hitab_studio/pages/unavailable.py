@@ -25,6 +25,28 @@ def world(page: Page) -> str:
     return page.world_off or ("" if page.studio.known.world else "No world is up.")
 
 
+def going_back(page: Page) -> str:
+    """Return the reason for which the world cannot be put back to the shown moment."""
+    past, status = page.time.past, page.studio.known.world
+    if why := world(page):
+        return why
+    if past is None or status is None:
+        return "Go back first: drag on the strip, or press the comma key."
+    if not status.oldest:
+        return f"The world {status.world} cannot go back: start a new episode instead (R)."
+    if past.at < status.oldest:
+        return f"The world can go back to cycle {status.oldest} at most: choose a later moment."
+    return ""
+
+
+def freezing(page: Page) -> str:
+    """Return the reason for which a key cannot freeze the world."""
+    status = page.studio.known.world
+    if (why := world(page)) or status is None:
+        return why
+    return "" if status.pace == status.REALTIME else "In lockstep the world does not wait for you."
+
+
 def training(page: Page) -> str:
     """Return the reason for which keys of a training are unavailable."""
     if (why := page.agent_off) or page.is_training or page.training is not None:

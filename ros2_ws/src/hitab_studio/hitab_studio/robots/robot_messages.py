@@ -26,6 +26,7 @@ from hitab_core import HitabError
 from hitab_studio.robots.tf_frames import Matrix, applied, in_plane, matrix
 
 SCANS, MAP, PICTURE = 2, 3, 4
+NO_SCANS = struct.pack("<I", SCANS)
 
 PICTURE_SIDE = 4096
 """Maximum width and height, pixels; a small file may claim more than a browser can hold."""

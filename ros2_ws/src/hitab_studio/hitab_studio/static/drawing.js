@@ -31,6 +31,7 @@ export function draw(field) {
   drawThings(field, c, screen);
   drawHandles(field, c, screen);
   drawNames(field, c, screen);
+  drawPreviews(field, c, screen);
   drawArrow(field, c, screen);
   drawCalls(field, c, screen, time);
   if (at < 1 || field.calls.length || field.orders.length) field.redraw();
@@ -217,6 +218,32 @@ function drawNames(field, c, screen) {
     c.fillText(roster.names[i], x, y + 1);
   }
   field.named = taken;
+}
+
+// Draws beside each agent what it would do next: filled if it is sure, dashed if it is unsure.
+function drawPreviews(field, c, screen) {
+  c.font = `600 10px ${field.font}`;
+  c.textAlign = "left";
+  c.textBaseline = "middle";
+  for (const [name, [state, full, unsure]] of Object.entries(field.previews)) {
+    const i = field.index?.get(name);
+    if (i === undefined || i >= field.now.n) continue;
+    const text = `→ ${state}`;
+    const x = screen[3 * i] + field.radius(i) + 8;
+    const y = screen[3 * i + 1] - field.radius(i) - 10;
+    c.fillStyle = c.strokeStyle = field.colors.testing;
+    c.lineWidth = 1.2;
+    c.setLineDash(unsure ? [3, 3] : []);
+    c.beginPath();
+    c.roundRect(x, y - 8, c.measureText(text).width + 10, 16, 8);
+    c.globalAlpha = unsure || !full ? 0.75 : 1;
+    if (full && !unsure) c.fill();
+    else c.stroke();
+    if (full && !unsure) c.fillStyle = field.colors.paper;
+    c.fillText(text, x + 5, y);
+    c.globalAlpha = 1;
+    c.setLineDash([]);
+  }
 }
 
 function drawTrails(field, c) {

@@ -1,5 +1,6 @@
 // The field on one canvas: the frames of the stream, interpolated, and their place on the screen.
 import { MANY, draw } from "./drawing.js";
+import { drawMinute, listenToMinute, takeMinute } from "./minute.js";
 import { cancelDrag, listen } from "./pointing.js";
 import { Robots } from "./robots.js";
 import { openStream } from "./stream.js";
@@ -26,6 +27,8 @@ class Field {
     this.calls = [];
     this.orders = [];
     this.trails = null;
+    this.minute = null;
+    this.previews = {};
     this.view = { scale: 0, x: 0, y: 0, fitted: true };
     this.drag = null;
     this.hovered = -1;
@@ -34,6 +37,7 @@ class Field {
     this.robots = new Robots(this);
     this.recolor();
     listen(this);
+    listenToMinute(this);
     openStream(page, (message) => this.take(message));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
@@ -52,7 +56,8 @@ class Field {
     else if (message.t === "replay") this.replay = message.on;
     else if (message.t === "center") this.centerOn(message.name);
     else if (message.t === "chosen") this.chosen = new Set(message.names);
-    else if (message.t === "demonstrator") rememberDemonstrator(message.name);
+    else if (message.t === "minute") takeMinute(this, message);
+    else if (message.t === "remember") remember(message.name, message.value);
     else this.robots.take(message);
     this.redraw();
   }
@@ -121,6 +126,7 @@ class Field {
     this.height = clientHeight;
     this.ratio = ratio;
     if (this.view.fitted) this.fit();
+    drawMinute(this);
     this.redraw();
   }
 
@@ -140,7 +146,7 @@ class Field {
     const high = (part) => document.querySelector(part)?.offsetHeight ?? 0;
     const small = this.height < SMALL_HEIGHT; // a phone has no room to spare
     const above = Math.max(small ? 0 : ABOVE, high(".notices") + (small ? 30 : ABOVE - 40));
-    const below = Math.max(small ? 0 : ROOM, high(".deck") + 28, high("#camera") + 34);
+    const below = Math.max(small ? 0 : ROOM, high(".bottom") + 28, high("#camera") + 34);
     return [Math.min(above, 0.25 * this.height), Math.min(below, low * this.height)];
   }
 
@@ -239,7 +245,9 @@ class Field {
       field: color("--field"), line: color("--field-line"), grid: color("--field-grid"),
       ink: color("--ink"), faint: color("--ink-3"), paper: color("--surface"),
       training: color("--training"), testing: color("--testing"), accent: color("--accent"),
+      past: color("--replay"), bad: color("--bad"),
     };
+    drawMinute(this);
     this.robots.recolor();
     this.redraw();
   }
@@ -284,10 +292,10 @@ class Field {
   }
 }
 
-// Keeps the person's name for the server, which reads it when a page is opened.
-function rememberDemonstrator(name) {
+// Keeps the person's name or an option for the server, which reads it when a page is opened.
+function remember(name, value) {
   const year = 365 * 24 * 3600;
-  document.cookie = `hitab_demonstrator=${encodeURIComponent(name)}; max-age=${year}; SameSite=Strict; path=/`;
+  document.cookie = `hitab_${name}=${encodeURIComponent(value)}; max-age=${year}; SameSite=Strict; path=/`;
 }
 
 // This cookie identifies the browser, whose tabs belong to one person, until the browser ends.

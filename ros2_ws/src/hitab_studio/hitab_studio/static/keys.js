@@ -44,10 +44,13 @@ document.addEventListener("keydown", (event) => {
     if (element) return; // the browser presses it
   }
   const writing = TEXT.has(document.activeElement?.tagName) && document.activeElement.type !== "range";
-  if (writing || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
-  const key = event.key === " " ? "space" : event.key.toLowerCase();
+  if (writing || event.ctrlKey || event.metaKey || event.altKey) return;
+  // With Shift, keyboards have different characters on the keys of comma and period.
+  const shifted = event.shiftKey && { Comma: "<", Period: ">" }[event.code];
+  const key = shifted || (event.key === " " ? "space" : event.key.toLowerCase());
   const open = document.querySelector("[data-modal]");
   const element = (open || document).querySelector(`[data-hotkey="${CSS.escape(key)}"]`);
+  if (event.repeat && element?.dataset.repeats === undefined) return;
   if (element && !element.disabled) {
     event.preventDefault();
     element.click();

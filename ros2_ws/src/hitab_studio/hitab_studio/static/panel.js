@@ -4,8 +4,8 @@
 // While the pointer is down, patches wait until after the click, so that nothing moves under it.
 let pressed = false;
 const waiting = new Set();
-function press() {
-  pressed = true;
+function press(event) {
+  pressed = event.target.id !== "minute"; // a drag on the strip shows what is there meanwhile
 }
 function release() {
   if (!pressed) return;

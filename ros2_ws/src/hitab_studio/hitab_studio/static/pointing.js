@@ -44,7 +44,7 @@ export function listen(field) {
   window.addEventListener("blur", () => cancelDrag(field));
   canvas.addEventListener("dblclick", () => field.fit());
   canvas.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || !byKey(field, event)) return;
+    if (event.ctrlKey || event.metaKey || !byKey(field, event)) return;
     event.preventDefault();
     event.stopPropagation();
   });
@@ -180,16 +180,16 @@ const MOVES = {
 function byKey(field, event) {
   if (!field.now) return false;
   const fine = event.shiftKey ? 0.2 : 1;
-  if (event.key === "<" || event.key === ">") {
-    chooseNext(field, event.key === ">" ? 1 : -1);
-  } else if (event.key in MOVES) {
+  if (event.key === "PageUp" || event.key === "PageDown") {
+    chooseNext(field, event.key === "PageDown" ? 1 : -1);
+  } else if (event.altKey && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
+    const turn = (event.key === "ArrowLeft" ? 1 : -1) * TURN;
+    forChosen(field, (_, headings, k, at) => headings.set(k, at[2] + turn));
+  } else if (!event.altKey && event.key in MOVES) {
     const [dx, dy] = MOVES[event.key].map((step) => fine * STEP * step);
     const [w, h] = field.roster.size;
     const to = ([x, y]) => [clamp(x + dx, w / 2), clamp(y + dy, h / 2)];
     forChosen(field, (places, _, k, at) => places.set(k, to(at)));
-  } else if (event.key === "," || event.key === ".") {
-    const turn = (event.key === "," ? 1 : -1) * TURN;
-    forChosen(field, (_, headings, k, at) => headings.set(k, at[2] + turn));
   } else {
     return false;
   }

@@ -73,6 +73,8 @@ class AgentWatch:
     Attributes:
         known: the present state of the agent.
         training: the agent's training at the last look, if any.
+        read: when features were read last, on the monotonic clock, s, and the agent's cycle then;
+            None before.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class AgentWatch:
     ) -> None:
         self.known = AgentState()
         self.training: Training | None = None
+        self.read: tuple[float, int] | None = None
         self._agents = agents
         self._agent = agent
         self._events = events
@@ -211,6 +214,7 @@ class AgentWatch:
         self._changed()
 
     def _take_features(self, answer: Any) -> None:
+        self.read = time.monotonic(), answer.cycle
         before = self.known.readings
         readings = {}
         for read in answer.readings:

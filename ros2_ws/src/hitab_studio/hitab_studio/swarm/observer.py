@@ -25,6 +25,7 @@ from hitab_client.connecting.identity import STARTED_BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_ros.timing import FOUND_S, HEARTBEAT_S, SETTLE_S
+from hitab_studio.field.last_minute import LastMinute
 from hitab_studio.field.markers import Markers
 from hitab_studio.field.remembered_scenes import RememberedScenes
 from hitab_studio.robots.topics import Options
@@ -97,6 +98,7 @@ class Observer:
     Attributes:
         known: the present state.
         watches: watches of the viewed agents, by name.
+        minute: the last minute.
     """
 
     def __init__(
@@ -125,6 +127,7 @@ class Observer:
         self._processes = Processes(target.folder)
         self._attention = AttentionWatch(agents, self._processes)
         self._remembered = RememberedScenes()
+        self.minute = LastMinute(self._remembered)
         self.watches: dict[str, AgentWatch] = {}
         self._events: dict[str, deque[TransitionEvent]] = {}
         self._followed: dict[str, Any] = {}
@@ -148,7 +151,7 @@ class Observer:
         self._shown = state
         self._signs.hear_known([names.WORLD])
         before, scene = self.known.scene, state.scene
-        self._remembered.see(scene)
+        self.minute.see(scene, scene.cycle)
         if before is None or (before.mode, before.episode) != (scene.mode, scene.episode):
             self._know(scene=scene)
         else:
@@ -171,6 +174,9 @@ class Observer:
             is_new = bool(heard - known.statuses.keys())
             joined = time.monotonic() if is_new else known.joined
             self._know(statuses=MappingProxyType(dict(statuses)), joined=joined)
+            for agent in heard & statuses.keys():
+                at = statuses[agent].cycle if known.scene is not None else now
+                self.minute.hear(agent, statuses[agent], at, len(statuses))
         if self._commanders.reports != self._reports:
             self._reports = self._commanders.reports
             self._know(groups=MappingProxyType(dict(self._commanders.groups)))
@@ -197,6 +203,8 @@ class Observer:
         for agent, watch in self.watches.items():
             watch.look()
             self._keep_scenes(agent, watch)
+            if known.robots is not None and watch.read is not None:
+                self.minute.hear_cycle(agent, watch.read[1], watch.read[0])
         watched = {name: watch.known for name, watch in self.watches.items()}
         if watched.keys() != known.watched.keys():
             self._know(watched=MappingProxyType(watched))
@@ -207,6 +215,8 @@ class Observer:
                 wanted, viewed=any(page.connected for page in self._pages.values())
             )
             if robots is not known.robots:
+                if robots.scene is not None:
+                    self.minute.see(robots.scene, now)
                 self.known = replace(self.known, robots=robots)
 
     def _follow(self, agent: str) -> None:

@@ -14,6 +14,7 @@ from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 from hitab_client import SwarmError
 from hitab_client.recording import Received, RecordedMessages, type_name
 from hitab_core.labeling import Strip
+from hitab_studio.field.last_minute import Glimpse
 from hitab_studio.field.scene import Scene, scene_of
 from hitab_studio.swarm.swarm_state import SwarmState
 
@@ -50,6 +51,12 @@ class _Line:
         for i in range(bisect_right(self.times, seconds) - 1, -1, -1):
             yield self._decoded(i)
 
+    def between(self, begin: float, end: float) -> Iterator[tuple[float, Any]]:
+        """Yield times and messages: the one that holds at the beginning, and all until the end."""
+        first = max(0, bisect_right(self.times, begin) - 1)
+        for i in range(first, bisect_right(self.times, end)):
+            yield self.times[i], self._decoded(i)
+
     def _decoded(self, i: int) -> Any:
         return None if i < 0 else self._messages[i].decoded()
 
@@ -73,6 +80,8 @@ class Recording:
         self._statuses: dict[str, _Line] = {}
         self._events = _Line()
         self.episodes: list[tuple[float, str]] = []
+        self._window = (0.0, 0.0)
+        self._glimpses: dict[str, list[Glimpse]] = {}
         messages = RecordedMessages(path)
         self._read(messages)
         self.missing = messages.missing
@@ -108,6 +117,24 @@ class Recording:
         """Return an agent's last state changes until that time, newest first."""
         events = self._events.until(self.start + seconds)
         return list(islice((e for e in events if not agent or e.agent == agent), count))
+
+    def glimpses(self, agent: str, begin: float, end: float) -> list[Glimpse]:
+        """Return what an agent did between two times; kept until others are asked for."""
+        if self._window != (begin, end):
+            self._window, self._glimpses = (begin, end), {}
+        if agent not in self._glimpses:
+            line = self._statuses.get(agent, _Line())
+            self._glimpses[agent] = [
+                Glimpse.of(status, at - self.start)
+                for at, status in line.between(self.start + begin, self.start + end)
+            ]
+        return self._glimpses[agent]
+
+    def beside(self, seconds: float, step: int) -> float:
+        """Return the time of the scene that is some scenes after the one shown at a time."""
+        times = self._states.times
+        number = bisect_right(times, self.start + seconds + 1e-9) - 1 + step
+        return times[min(max(number, 0), len(times) - 1)] - self.start
 
 
 @dataclass

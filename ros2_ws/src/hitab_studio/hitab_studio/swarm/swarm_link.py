@@ -20,6 +20,7 @@ from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns
 from hitab_ros.timing import AT_ONCE_S, REMIND_S, REPEAT_S, TURN_S
+from hitab_studio.field.last_minute import LastMinute
 from hitab_studio.field.scene_reader import SceneReader
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm.observer import Connected as Connected
@@ -185,6 +186,11 @@ class SwarmLink:
         """Start or stop reading all features of a watched agent."""
         if self._observer is not None and agent in self._observer.watches:
             self._observer.watches[agent].probe(on=on)
+
+    @property
+    def minute(self) -> LastMinute:
+        """The last minute of the swarm; empty without a connection."""
+        return self._observer.minute if self._observer is not None else LastMinute()
 
     @property
     def observer(self) -> Observer:

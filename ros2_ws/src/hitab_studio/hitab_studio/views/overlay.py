@@ -8,6 +8,8 @@ from typing import Any
 from hitab_core import FLAGS, START, BoundedNumber, Fix, Term, some
 from hitab_ros.names import WORLD
 from hitab_studio.actions.teaching_actions import targets_asked, targets_meant
+from hitab_studio.pages import unavailable
+from hitab_studio.pages.looking_back import SURE, path_of, preview_of, rows_shown, seconds_ago
 from hitab_studio.pages.page import Page
 from hitab_studio.swarm.absence import absence, silent_machines
 from hitab_studio.swarm.launcher import NONE, unknown
@@ -41,6 +43,7 @@ def context(page: Page) -> dict[str, Any]:
         "world_absent": world_absent,
         "runs_on": known.machine_of.get(page.agent, "") if live else "",
         "silent_machines": silent_machines(known) if live else {},
+        **_times(page),
         "stale": live and bool(world_absent or nothing[0]),
         "lost_off": _lost_off(page),
         "stuck": _stuck(page),
@@ -64,6 +67,22 @@ def context(page: Page) -> dict[str, Any]:
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(page),
         "kept": page.training is not None and mode in ("idle", "performing"),
+    }
+
+
+def _times(page: Page) -> dict[str, Any]:
+    """Return the variables of the strip, and of a moment that is past."""
+    status, world = page.status, page.studio.known.world if page.player is None else None
+    held = (world is not None and world.held) or getattr(status, "held", "")
+    return {
+        "past": page.time.past,
+        "ago": seconds_ago(page),
+        "path": path_of(page),
+        "preview": preview_of(page),
+        "held": held,
+        "frozen": page.time.frozen,
+        "back_off": unavailable.going_back(page),
+        "rows": rows_shown(page),
     }
 
 
@@ -171,7 +190,7 @@ def _buttons(page: Page) -> list[dict[str, Any]]:
         vocabulary.trained,
         training if page.is_training else None,
     )
-    active = status.active_path[0] if status.active_path else ""
+    active, preview = next(iter(path_of(page)), ""), preview_of(page)
     if status.mode == "performing":
         active = status.behavior
     return [
@@ -181,10 +200,16 @@ def _buttons(page: Page) -> list[dict[str, Any]]:
             "key": keys.of(vocabulary.domain, name),
             "kind": _kind(name, vocabulary.trained),
             "active": name == active,
+            "agrees": _sureness(preview) if preview and name == preview.state else "",
             "one_shot": Term.parse(name).name in vocabulary.one_shot,
         }
         for name in names
     ]
+
+
+def _sureness(preview: Any) -> str:
+    """Return how sure an agent is of what it would do: full, half or unsure."""
+    return "unsure" if preview.unsure else "full" if preview.probability >= SURE else "half"
 
 
 def _shown_numbers(page: Page) -> tuple[BoundedNumber, ...]:

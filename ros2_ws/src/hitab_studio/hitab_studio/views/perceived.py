@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hitab_core import OWN_NAMES, Term
+from hitab_studio.pages.looking_back import readings_of
 from hitab_studio.pages.page import Page
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
@@ -16,7 +17,7 @@ def perceived(page: Page) -> Readings:
     As in `hitab perceive`, features with the same target twice, and features of the automaton
     itself, are left out.
     """
-    readings = {key: history for key, history in page.watched.readings.items() if history}
+    readings = {key: history for key, history in readings_of(page).items() if history}
     of_automata = {key: history for key, history in readings.items() if key[0]}
     if of_automata:
         return of_automata

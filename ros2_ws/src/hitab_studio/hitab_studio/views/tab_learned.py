@@ -8,6 +8,7 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Term, with_numbers
 from hitab_studio.field.graph_layout import graph
+from hitab_studio.pages.looking_back import path_of, readings_of
 from hitab_studio.pages.page import Page
 from hitab_studio.pages.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
@@ -36,6 +37,7 @@ def context(page: Page) -> dict[str, Any]:
         "behavior": behavior,
         "graph": graph(behavior, automata) if behavior and behavior.transitions else None,
         "state": state,
+        "stops": list(getattr(page.status, "breakpoints", ())),
         "last": next((e for e in events if _label(e) == shown["label"]), None),
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
         "live": bool(values),
@@ -62,7 +64,7 @@ def _levels(page: Page) -> list[dict[str, Any]]:
     if status is None:
         return []
     top = status.behavior or (training.name if training is not None else page.behavior)
-    path = list(status.active_path)
+    path = list(path_of(page))
     found: dict[str, dict[str, Any]] = {}
 
     def visit(label: str, depth: int, *, active: bool) -> None:
@@ -87,7 +89,7 @@ def _values(page: Page, label: str, behavior: Learned | None) -> list[float]:
         return []
     values = [
         values[-1]
-        for (automaton, _), values in list(page.watched.readings.items())
+        for (automaton, _), values in list(readings_of(page).items())
         if automaton == label and values
     ]
     if len(values) != len(behavior.features) or any(math.isnan(v) for v in values):

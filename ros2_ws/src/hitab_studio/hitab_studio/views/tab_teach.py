@@ -6,6 +6,7 @@ from typing import Any
 
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
+from hitab_studio.pages import unavailable
 from hitab_studio.pages.example_effects import superseding
 from hitab_studio.pages.page import Page
 from hitab_studio.pages.ui_remedies import in_studio
@@ -28,6 +29,8 @@ def context(page: Page) -> dict[str, Any]:
         "recorded": [e for e in examples if e.command == last] if last else [],
         "defaults": sum(e.is_default for e in examples),
         "readings": perceived(page),
+        "past": page.time.past,
+        "freezing_off": unavailable.freezing(page),
         "abouts": watched.vocabulary.feature_descriptions,
         "values_of": lambda example: _values(page, example),
         "trained": sorted(page.watched.vocabulary.trained),

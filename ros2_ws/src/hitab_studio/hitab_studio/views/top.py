@@ -12,6 +12,9 @@ from hitab_studio.swarm.absence import absence
 from hitab_studio.views.overlay import empty
 from hitab_studio.views.tab_swarm import absent
 
+TEACHING = (1.0, 0.5, 0.25)
+"""Factors of the pace while an agent is taught, to choose from."""
+
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
 
@@ -34,6 +37,7 @@ def context(page: Page) -> dict[str, Any]:
         "paused": world is not None and world.mode == "paused",
         "pace": pace,
         "speeds": SPEEDS if listed else sorted((*SPEEDS, pace), key=float),
+        "teachings": sorted({*TEACHING, world.teaching} - {0.0}, reverse=True) if world else (),
         "unheard": len([n for n in world.missing if known.answers(n)]) if world else 0,
         "people": {p.browser: p.name for p in page.studio.pages.values() if p.connected},
         "world_off": world_off,
