@@ -63,10 +63,10 @@ BUDGET = {
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1850,
-    "hitab_studio": 4650,
+    "hitab_studio": 5000,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33850,
+    "tests": 34000,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
