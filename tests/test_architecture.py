@@ -64,10 +64,10 @@ BUDGET = {
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1850,
-    "hitab_studio": 5100,
+    "hitab_studio": 5450,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 34400,
+    "tests": 34550,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -25,6 +25,7 @@ from hitab_studio.pages.page_parts import (
     LostCommand,
     MissingTargets,
     ShownNumbers,
+    TutorialProgress,
 )
 from hitab_studio.pages.person_names import distinct
 from hitab_studio.pages.studio_state import StudioState
@@ -66,6 +67,7 @@ class Page:
         player: the player of the open recording; None if none.
         time: the earlier moment that it shows, if any, and the person's choices about time.
         messages: notices of successes and failures.
+        tutorial: progress in the tutorial.
         connected: whether the browser is connected.
         leave: closes the page after the current request.
         sent: the frame that the browser received last.
@@ -78,8 +80,7 @@ class Page:
         self.chosen: list[str] = []
         self.agent = ""
         self.tab = "teach"
-        self.level = self.state = self.filter = ""
-        self.to_start = ""
+        self.level = self.state = self.filter = self.behavior = self.to_start = ""
         self.folds: dict[str, bool] = {}
         self.missing_targets: MissingTargets | None = None
         self.shown_numbers: ShownNumbers | None = None
@@ -88,7 +89,6 @@ class Page:
         self.not_taken: dict[str, str] = {}
         self.table = ExamplesTable()
         self.dialog: dict[str, Any] = {}
-        self.behavior = ""
         self.compare: tuple[str, Learned] | None = None
         self.player: ReplayPlayer | None = None
         self.time = PageTime()
@@ -96,8 +96,8 @@ class Page:
         self.leave: Callable[[], None] = lambda: None
         self.sent = b""
         self.messages = Notices()
-        self.version = 0
-        self.busy = 0
+        self.tutorial = TutorialProgress()
+        self.version = self.busy = 0
         self.outgoing: deque[str] = deque(maxlen=50)
         self.news = asyncio.Event()
         self.set_demonstrator(demonstrator)

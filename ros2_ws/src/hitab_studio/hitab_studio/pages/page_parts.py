@@ -72,3 +72,20 @@ class Making:
     doing: str = "beginning"
     said: list[str] = field(default_factory=list)
     is_to_end: bool = False
+
+
+@dataclass
+class TutorialProgress:
+    """Progress of a person in the tutorial, which the browser keeps.
+
+    Attributes:
+        is_known: whether the browser has told what it keeps.
+        is_open: whether the page shows the tutorial.
+        is_finished: whether the person has finished the tutorial before.
+        passed: names of the steps that stay done.
+    """
+
+    is_known: bool = False
+    is_open: bool = False
+    is_finished: bool = False
+    passed: set[str] = field(default_factory=set)

@@ -169,6 +169,7 @@ class PageView:
             '<script type="module" src="_studio/studio.js"></script>'
             '<script type="module" src="_studio/keys.js"></script>'
             '<script type="module" src="_studio/field.js"></script>'
+            '<script type="module" src="_studio/tutorial.js"></script>'
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):

@@ -194,7 +194,7 @@ new MutationObserver(() => {
   if (modal === dialog) return;
   if (!dialog) before = document.activeElement;
   dialog = modal;
-  for (const part of document.querySelectorAll("#studio > :not(#panel-dialog, #panel-messages, #panel-emergency)")) {
+  for (const part of document.querySelectorAll("#studio > :not(#panel-dialog, #panel-messages, #panel-emergency, #panel-tutorial)")) {
     part.inert = !!modal;
   }
   const first = modal?.querySelector("[autofocus]") ?? modal?.querySelector("input, select, button");

@@ -15,6 +15,7 @@ from hitab_client.terminal.cli_remedies import called
 from hitab_core import quantity, unbroken
 from hitab_studio.pages import unavailable
 from hitab_studio.pages.page import Page
+from hitab_studio.tutorial import progress
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
 from hitab_studio.views.tab_swarm import since
@@ -28,6 +29,7 @@ PANELS: dict[str, Callable[[Page], Context]] = {
     "side": side.context,
     "dialog": dialog.context,
     "messages": lambda page: {"messages": page.messages.shown},
+    "tutorial": progress.context,
 }
 
 

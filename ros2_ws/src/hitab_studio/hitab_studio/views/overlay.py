@@ -11,6 +11,7 @@ from hitab_studio.actions.teaching_actions import targets_asked, targets_meant
 from hitab_studio.pages import unavailable
 from hitab_studio.pages.looking_back import SURE, path_of, preview_of, rows_shown, seconds_ago
 from hitab_studio.pages.page import Page
+from hitab_studio.pages.page_parts import TutorialProgress
 from hitab_studio.swarm.absence import absence, silent_machines
 from hitab_studio.swarm.launcher import NONE, unknown
 from hitab_studio.views import robot_sensors
@@ -67,6 +68,7 @@ def context(page: Page) -> dict[str, Any]:
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(page),
         "kept": page.training is not None and mode in ("idle", "performing"),
+        "offers_tutorial": live and _offers_tutorial(page.tutorial),
     }
 
 
@@ -84,6 +86,11 @@ def _times(page: Page) -> dict[str, Any]:
         "back_off": unavailable.going_back(page),
         "rows": rows_shown(page),
     }
+
+
+def _offers_tutorial(progress: TutorialProgress) -> bool:
+    """Whether to offer the tutorial: to those who have not finished it."""
+    return progress.is_known and not (progress.is_open or progress.is_finished)
 
 
 def _lost_off(page: Page) -> str:

@@ -1,0 +1,1 @@
+"""The tutorial inside the page: its steps, and where a person is in them."""
