@@ -119,9 +119,7 @@ def test_a_machine_starts_its_own_processes_with_leases_and_its_node(tmp_path):
     assert first.parameters["hosts"] == 4
 
 
-def test_a_world_waits_for_no_host_of_robots_which_have_no_place_in_it(
-    tmp_path, monkeypatch
-):
+def test_a_world_waits_for_no_host_of_robots_which_have_no_place_in_it(tmp_path, monkeypatch):
     (tmp_path / "rover_words.py").write_text(ROBOT)
     monkeypatch.syspath_prepend(str(tmp_path))
     robots = SWARM.replace("scout: {count: 2}", 'rover: {count: 2, domain: "rover_words:DOMAIN"}')
