@@ -215,7 +215,8 @@ def settled(
         kinds.setdefault((command.state, command.label), []).append(i)
     log_odds = np.log(before.odds + TINY)
     for delay, watched in told:
-        log_odds += np.log(masses(np.array([delay]), watched=watched)[0] + OTHERWISE)
+        mass = masses(np.array([delay]), watched=watched)[0]
+        log_odds += np.log((1.0 - OTHERWISE) * mass + OTHERWISE * ALONE / LATEST)
     found = {}
     for kind, members in kinds.items():
         others = [c for c in commands if c.state == kind[0] and c.label != kind[1]]
