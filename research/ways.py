@@ -95,7 +95,7 @@ class Timing:
         return None
 
     def foreseen(self, before: Seen, seen: Seen, seconds: float) -> Mapping[str, float]:
-        """Return what somebody sees who extrapolates what changed in a cycle of so many seconds."""
+        """Return what somebody sees who extrapolates the change of a cycle of so many seconds."""
         ahead = self.ways.foresees / seconds
         changes = {f: ahead * (seen[f] - before[f]) for f in MEASURED if f in seen}
         return {f: value + changes.get(f, 0.0) for f, value in seen.items()}

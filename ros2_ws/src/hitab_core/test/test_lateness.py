@@ -99,7 +99,7 @@ def test_a_person_in_time_is_left_alone(tmp_path: Path) -> None:
     course = Course(tmp_path)
     for _ in range(10):
         course.run(0.0)
-    assert course.people[""].is_in_time
+    assert course.people[""].median < 0.1
     assert all(example.ago <= 2 * STEP for example in course.turns)
 
 
@@ -149,7 +149,7 @@ def test_what_is_so_or_not_so_draws_the_moment_there(tmp_path: Path) -> None:
 
 
 def test_any_wrong_change_of_the_last_seconds_is_corrected(tmp_path: Path) -> None:
-    """It leaves Go for Turn, which is wrong, and goes on by itself before the person takes over."""
+    """It leaves Go for Turn, which is wrong; the person takes over half a second later."""
     course = Course(tmp_path)
     course.sense(9.0)
     course.agent.command(Term("Go"))

@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hitab_core.assistant.lateness import LateCommand, Lateness, settled
+from hitab_core.assistant.causes import settled
+from hitab_core.assistant.lateness import LateCommand, Lateness
 from hitab_core.codec import to_dict
 from hitab_core.texts.errors import HitabError
 from hitab_core.training.events import CommandGiven, Proposal
@@ -22,6 +23,9 @@ from hitab_core.training.percepts import PerceptRecord
 from hitab_core.training.retiming import moved
 from hitab_core.training.trainer import Trainer
 
+AT_ONCE = 0.3
+"""Who takes over so long before commanding, s, has begun to guide, and waits for nothing."""
+
 
 class Shown(NamedTuple):
     """What a person had before their eyes who gave a command.
@@ -29,12 +33,13 @@ class Shown(NamedTuple):
     Attributes:
         pace: simulated seconds in a second of the person.
         time: of the percept seen, s.
-        watched: whether the person took over to give the command.
+        took: time at which the person took over to give the command, s; None if the automaton had
+            not decided.
     """
 
     pace: float
     time: float
-    watched: bool
+    took: float | None
 
 
 class LateCommands:
@@ -55,11 +60,17 @@ class LateCommands:
         self._who: dict[int, str] = {}
         self._shown: dict[int, Shown] = {}
         self._estimated: dict[int, set[float]] = {}
+        self._interrupted = 0.0
 
     def subscribe(self) -> None:
         """Propose moments for commands from now on."""
         self._trainer.events.commanded.subscribe(self._propose)
         self._trainer.events.changed.subscribe(self._keep)
+        self._trainer.events.interrupted.subscribe(self._note)
+
+    def _note(self, state: str) -> None:
+        """Note when somebody intervened."""
+        self._interrupted = self._trainer.history.time
 
     def _keep(self, record: Mapping[str, Any]) -> None:
         """Keep the data of a command, and of earlier ones, from its record in the journal."""
@@ -67,14 +78,14 @@ class LateCommands:
             return
         first = record["examples"][0]
         command = int(first["command"])
-        time, watched = record.get("shown", record["time"]), record.get("watched", False)
-        self._shown[command] = Shown(float(record["pace"]), float(time), bool(watched))
+        pace, time = float(record["pace"]), float(record.get("shown", record["time"]))
+        self._shown[command] = Shown(pace, time, record.get("took"))
         self._who[command] = record["who"]
         for example in (first, *record["settled"]):
             self._estimated.setdefault(example["command"], set()).add(example["ago"])
 
     def _propose(self, command: CommandGiven) -> Proposal | None:
-        """Return when a command was due; None if that is known, or the trainer has to refuse it."""
+        """Return when a command was due; None if that is known, or the trainer must refuse."""
         with suppress(HitabError):
             given = command.given
             if given.pace and not given.exact and self._trainer.history.is_past(given.seen):
@@ -88,7 +99,8 @@ class LateCommands:
         known = self.people.get(who, Lateness())
         due = history.at(min(known.median * given.pace, KEPT_SECONDS), given.seen)
         moments, newest = history.window(due), log.next_command
-        seen = Shown(given.pace, history.at(0.0, given.seen).time, bool(command.taken_over_in))
+        took = self._interrupted if command.taken_over_in else None
+        seen = Shown(given.pace, history.at(0.0, given.seen).time, took)
         found = {newest: self._late(seen, moments, command.label, known)}
         told = []
         for e in log.examples:
@@ -99,7 +111,7 @@ class LateCommands:
                 found[e.command] = self._late(shown, around[1], e.next_state, known)
             else:
                 delay = (shown.time - around[0] + e.ago) / shown.pace
-                told.append((max(0.0, delay), shown.watched))
+                told.append(max(0.0, delay))
         late = {number: one for number, one in found.items() if one is not None}
         before = self._before.get(who, Lateness())
         scales = list(map(self._trainer.context.repertoire.domain.scale_of, features))
@@ -110,7 +122,7 @@ class LateCommands:
         earlier = moved(self._trainer, dues)
         record = {"moments": list(map(to_dict, moments)), "who": who, "pace": seen.pace}
         record |= {"settled": list(map(to_dict, earlier))}
-        return Proposal(due, earlier, record | {"shown": seen.time, "watched": seen.watched})
+        return Proposal(due, earlier, record | {"shown": seen.time, "took": seen.took})
 
     def _late(
         self, shown: Shown, moments: Sequence[PerceptRecord], label: str, lateness: Lateness
@@ -125,7 +137,7 @@ class LateCommands:
 
         Returns:
             The command; and the moments in one state, with those in which the automaton changed
-            to a wrong state, if the person watched. None if there is no such moment.
+            to a wrong state, if the person took over. None if there is no such moment.
         """
         moments = [moment for moment in moments if moment.time <= shown.time]
         if not moments:
@@ -134,10 +146,13 @@ class LateCommands:
         states = [moment.state for moment in moments]
         ends = [i for i in range(len(states) - 1) if states[i] != states[i + 1]]
         stretches = list(pairwise([0, *(end + 1 for end in ends), len(states)]))
-        changed = [end for end in ends if shown.watched and states[end + 1] != label]
-        if not shown.watched:
+        changed = []
+        if shown.took is None:
             stretches = stretches[-1:]
-        odds = lateness.density(delays, watched=shown.watched)
+        else:
+            changed = [end for end in ends if states[end + 1] != label]
+        watched = shown.took is not None and shown.time - shown.took < AT_ONCE * shown.pace
+        odds = lateness.density(delays, waits=watched)
         begin, end = max(stretches, key=lambda one: odds[one[0] : one[1]].sum())
         if states[begin] == label and not changed:
             return None
@@ -145,7 +160,5 @@ class LateCommands:
         values = np.array([self._trainer.history.in_moment(one, features) for one in among])
         values = values.reshape(len(among), len(features))
         times = tuple(delays[changed].tolist())
-        late = LateCommand(
-            states[begin], label, delays[begin:end], values, shown.watched, times
-        )
+        late = LateCommand(states[begin], label, delays[begin:end], values, watched, times)
         return late, (*among, *(moments[i] for i in changed))
