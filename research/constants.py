@@ -82,7 +82,7 @@ HISTORY = "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"
 CONSTANTS = [
     *_of(None, "learning.gain_ratio", "TIE"),
     *_of(None, "learning.tree_growth", "LEAST_FRACTION AHEAD_MAX"),
-    *_of(NOVICES, "assistant.lateness", "SOONEST LATEST SPREADS FORESEEING STAYING OTHERWISE"),
+    *_of(NOVICES, "assistant.lateness", "SOONEST LATEST SPREADS STAYING OTHERWISE"),
     *_of(NOVICES, "assistant.causes", "P_IMMEDIATE EVENTS NEAR THRESHOLDS_MAX"),
     *_of(NOVICES, "assistant.situation_sample", "SITUATIONS_MAX"),
     *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING NO_EXAMPLE_DISTANCE GAIN_MIN"),

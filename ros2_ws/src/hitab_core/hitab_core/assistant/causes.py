@@ -20,7 +20,7 @@ or a missing change, whichever fits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,7 +76,7 @@ def settled(
         kinds.setdefault((command.state, command.label), []).append(i)
     log_odds = np.log(before.odds + TINY)
     for delay in told:
-        mass = masses(np.array([delay]), surprising=False)[0]
+        mass = masses(np.array([delay]))[0, 0]
         log_odds += np.log((1.0 - OTHERWISE) * mass + OTHERWISE * ALONE / LATEST)
     found = {}
     for kind, members in kinds.items():
@@ -128,19 +128,16 @@ class _Explanations:
         other = (1.0 - change) * OTHERWISE / len(command.delays)
         return answered + corrected + other + TINY, answered, corrected
 
-    def of_guesses(
-        self, masses_if: Callable[[bool], Floats], moments: Integers, never: float
-    ) -> Floats:
+    def of_guesses(self, of_moments: Floats, moments: Integers, never: float) -> Floats:
         """Return what something is for each guess, by whether its cause can be foreseen.
 
         Args:
-            masses_if: returns it for all moments, shape (moments, models).
+            of_moments: what it is for all moments, shape (2, moments, models).
             moments: shape (guesses,), which moment counts for each guess, -1 for none.
             never: what it is for none.
         """
-        last = np.full((1, MODELS), never)
-        both = np.stack([np.concatenate([masses_if(kind), last]) for kind in (False, True)])
-        return np.asarray(both[self.surprising.astype(np.intp), moments])
+        found = np.concatenate([of_moments, np.full((2, 1, MODELS), never)], axis=1)
+        return np.asarray(found[self.surprising.astype(np.intp), moments])
 
     def dues(self, lateness: Lateness) -> list[int]:
         """Return the most probable of the moments that each command may have been meant for."""
@@ -159,7 +156,7 @@ class _Explanations:
             weights = np.bincount(
                 self.first[known, i], answers[known], minlength=len(command.delays)
             )
-            usual = command.masses(False) @ models
+            usual = command.masses[0] @ models
             rest = max(0.0, 1.0 - float(weights.sum()))
             total = usual.sum()
             weights = weights + (rest * usual / total if total > 0 else rest / len(usual))

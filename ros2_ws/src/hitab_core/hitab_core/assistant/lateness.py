@@ -8,7 +8,7 @@ these is as likely at first:
 - in time: the delay is half-normal, with the spread on a grid;
 - late: it is log-normal, with the median and the spread on a grid, as wide as people are: 95 % of
   the medians between 0.2 and 1.2 s;
-- surprised: in time or late, as the cause is.
+- surprised: in time or late, as the cause is; late by as much as people are, whoever it is.
 
 Who watches an automaton may wait before taking over; that is no part of the person's delay. When
 commands were due is in `hitab_core.assistant.causes`.
@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -32,9 +33,6 @@ SPREADS = np.array([0.15, 0.3, 0.5])
 
 IN_TIME = np.array([0.05, 0.1, 0.2])
 """The grid of who is in time: standard deviations of the delay, s."""
-
-FORESEEING = 0.05
-"""Standard deviation of the delays of who is in time for thresholds only, s."""
 
 WAYS = np.array([1.0, 1.0, 1.0]) / 3.0
 """Probability, before any command, that a person is in time, late, or late if surprised."""
@@ -76,18 +74,20 @@ class LateCommand:
     watched: bool = False
     changed: tuple[float, ...] = ()
 
-    def masses(self, surprising: bool) -> Floats:
-        """Return how probably it came after each of its delays, shape (n, models)."""
-        return masses(self.delays, surprising=surprising, waits=self.watched)
+    @cached_property
+    def masses(self) -> Floats:
+        """How probably it came after each of its delays; see `masses`."""
+        return masses(self.delays, waits=self.watched)
 
-    def survival(self, surprising: bool) -> Floats:
-        """Return how probably it would have come later, shape (n, models)."""
-        return _survival(self.delays, surprising=surprising, waits=self.watched)
+    @cached_property
+    def survival(self) -> Floats:
+        """How probably it would have come later than after each delay; see `masses`."""
+        return _survival(self.delays, waits=self.watched)
 
-    @property
+    @cached_property
     def changes(self) -> Floats:
         """How probably it came after each change, shape (changes, models)."""
-        alone = (masses(np.array([delay]), surprising=True) for delay in self.changed)
+        alone = (masses(np.array([delay]))[1] for delay in self.changed)
         return np.concatenate([np.empty((0, MODELS)), *alone])
 
     @property
@@ -122,17 +122,18 @@ class Lateness:
 
     def density(self, delays: Floats, *, waits: bool) -> Floats:
         """Return how probable delays are if nothing surprises, shape (n,); see `masses`."""
-        return np.asarray(masses(delays, surprising=False, waits=waits) @ self.odds)
+        return np.asarray(masses(delays, waits=waits)[0] @ self.odds)
 
 
-_WAY = np.repeat([0, 1, 2], [len(IN_TIME), *[len(MEDIANS) * len(SPREADS)] * 2])
+_MIDDLE, _WIDTH = math.log(SOONEST * LATEST) / 2.0, math.log(LATEST / SOONEST) / 4.0
+_LATE = np.exp(-0.5 * ((np.log(MEDIANS) - _MIDDLE) / _WIDTH) ** 2)
+_GRID = np.repeat(_LATE, len(SPREADS)) / (len(SPREADS) * _LATE.sum())
+"""How probable each late model is for somebody who is late."""
+
+_WAY = np.repeat([0, 1, 2], [len(IN_TIME), len(_GRID), len(IN_TIME)])
 """Of each model of a delay: in time, late, or late if surprised."""
 
-_HALF = np.where(
-    _WAY == 2,
-    0.6745 * FORESEEING,
-    np.concatenate([0.6745 * IN_TIME, *[np.repeat(MEDIANS, len(SPREADS))] * 2]),
-)
+_HALF = np.concatenate([0.6745 * IN_TIME, np.repeat(MEDIANS, len(SPREADS)), 0.6745 * IN_TIME])
 """The median delay of each model if nothing surprises, s."""
 
 MODELS = len(_WAY)
@@ -140,12 +141,8 @@ MODELS = len(_WAY)
 
 
 def _prior() -> Floats:
-    middle = math.log(math.sqrt(SOONEST * LATEST))
-    width = math.log(LATEST / SOONEST) / 4.0
-    odds = np.exp(-0.5 * ((np.log(MEDIANS) - middle) / width) ** 2)
-    late = np.repeat(odds, len(SPREADS))
-    grid = np.concatenate([np.ones(len(IN_TIME)), late, late])
-    return np.asarray(grid * (WAYS / np.bincount(_WAY, grid))[_WAY])
+    same = np.full(len(IN_TIME), 1.0 / len(IN_TIME))
+    return np.concatenate([same, _GRID, same]) * WAYS[_WAY]
 
 
 def _above(z: Floats) -> Floats:
@@ -153,31 +150,29 @@ def _above(z: Floats) -> Floats:
     return np.asarray(0.5 - 0.5 * np.tanh(math.sqrt(2.0 / math.pi) * (z + 0.044715 * z**3)))
 
 
-def _survival(seconds: Floats, *, surprising: bool, waits: bool = False) -> Floats:
-    """Return how probable it is that a delay is longer: shape (*seconds, models)."""
+def _survival(seconds: Floats, *, waits: bool = False) -> Floats:
+    """Return how probable it is that a delay is longer, in the shape of `masses`."""
     if waits:
-        waited = _survival(seconds[..., None] - WAITS, surprising=surprising)
-        return np.asarray(waited.mean(axis=-2))
+        return np.asarray(_survival(seconds[..., None] - WAITS).mean(axis=-2))
     z = (np.log(np.maximum(seconds, 1e-3))[..., None, None] - np.log(MEDIANS)[:, None]) / SPREADS
     late = _above(z).reshape(*seconds.shape, -1)
     in_time = 2.0 * _above(np.maximum(seconds, 0.0)[..., None] / IN_TIME)
-    foreseen = 2.0 * _above(np.maximum(seconds, 0.0)[..., None] / FORESEEING)
-    rest = late if surprising else np.broadcast_to(foreseen, late.shape)
-    return np.concatenate([in_time, late, rest], axis=-1)
+    surprised = np.broadcast_to((late @ _GRID)[..., None], in_time.shape)
+    kinds = (np.concatenate([in_time, late, rest], axis=-1) for rest in (in_time, surprised))
+    return np.stack([*kinds])
 
 
-def masses(delays: Floats, *, surprising: bool, waits: bool = False) -> Floats:
+def masses(delays: Floats, *, waits: bool = False) -> Floats:
     """Return how probable delays are, each together with what is nearer to it than to another.
 
     Args:
         delays: shape (n,), descending, s.
-        surprising: whether what the person reacts to cannot be foreseen.
         waits: whether the person may have waited before.
 
     Returns:
-        Shape (n, models).
+        Shape (2, n, models): if what the person reacts to can be foreseen, and if it surprises.
     """
     step = float(np.median(delays[:-1] - delays[1:])) if len(delays) > 1 else ALONE
     between = (delays[1:] + delays[:-1]) / 2.0
     edges = np.concatenate([[delays[0] + step / 2.0], between, [delays[-1] - step / 2.0]])
-    return np.diff(_survival(edges, surprising=surprising, waits=waits), axis=0)
+    return np.diff(_survival(edges, waits=waits), axis=1)
