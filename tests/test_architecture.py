@@ -56,7 +56,7 @@ BUDGET = {
     "hitab_cli": 3300,
     "hitab_client": 4550,
     "hitab_commander": 1150,
-    "hitab_core": 9750,
+    "hitab_core": 9800,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_machines": 1350,
@@ -66,7 +66,7 @@ BUDGET = {
     "hitab_studio": 4650,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 33850,
+    "tests": 33950,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

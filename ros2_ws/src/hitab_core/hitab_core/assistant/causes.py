@@ -153,14 +153,11 @@ class _Explanations:
                 continue
             answers = (odds * answered / likelihood).sum(axis=1)
             known = self.first[:, i] >= 0
-            weights = np.bincount(
-                self.first[known, i], answers[known], minlength=len(command.delays)
-            )
-            usual = command.masses[0] @ models
+            weights = np.zeros(len(command.delays))
+            np.add.at(weights, self.first[known, i], answers[known])
+            usual = command.masses[0] @ models + TINY
             rest = max(0.0, 1.0 - float(weights.sum()))
-            total = usual.sum()
-            weights = weights + (rest * usual / total if total > 0 else rest / len(usual))
-            dues.append(_mode(command.delays, weights))
+            dues.append(_mode(command.delays, weights + rest * usual / usual.sum()))
         return dues
 
 

@@ -27,7 +27,7 @@ AT_ONCE = 0.3
 """Who takes over so long before commanding, s, has begun to guide, and waits for nothing."""
 
 
-class Shown(NamedTuple):
+class Press(NamedTuple):
     """What a person had before their eyes who gave a command.
 
     Attributes:
@@ -58,7 +58,7 @@ class LateCommands:
         self._trainer = trainer
         self._before = dict(people)
         self._who: dict[int, str] = {}
-        self._shown: dict[int, Shown] = {}
+        self._shown: dict[int, Press] = {}
         self._estimated: dict[int, set[float]] = {}
         self._interrupted = 0.0
 
@@ -79,7 +79,7 @@ class LateCommands:
         first = record["examples"][0]
         command = int(first["command"])
         pace, time = float(record["pace"]), float(record.get("shown", record["time"]))
-        self._shown[command] = Shown(pace, time, record.get("took"))
+        self._shown[command] = Press(pace, time, record.get("took"))
         self._who[command] = record["who"]
         for example in (first, *record["settled"]):
             self._estimated.setdefault(example["command"], set()).add(example["ago"])
@@ -100,7 +100,7 @@ class LateCommands:
         due = history.at(min(known.median * given.pace, KEPT_SECONDS), given.seen)
         moments, newest = history.window(due), log.next_command
         took = self._interrupted if command.taken_over_in else None
-        seen = Shown(given.pace, history.at(0.0, given.seen).time, took)
+        seen = Press(given.pace, history.at(0.0, given.seen).time, took)
         found = {newest: self._late(seen, moments, command.label, known)}
         told = []
         for e in log.examples:
@@ -125,7 +125,7 @@ class LateCommands:
         return Proposal(due, earlier, record | {"shown": seen.time, "took": seen.took})
 
     def _late(
-        self, shown: Shown, moments: Sequence[PerceptRecord], label: str, lateness: Lateness
+        self, shown: Press, moments: Sequence[PerceptRecord], label: str, lateness: Lateness
     ) -> tuple[LateCommand, Sequence[PerceptRecord]] | None:
         """Return a command that came late, and the moments for which it may have been meant.
 

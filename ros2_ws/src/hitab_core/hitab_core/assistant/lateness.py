@@ -103,7 +103,7 @@ class Lateness:
     """Lateness of a person's commands: probabilities over the grids.
 
     Attributes:
-        odds: shape (models,), adding up to 1: first in time, then late.
+        odds: shape (models,), adding up to 1: in time, late, late if surprised.
     """
 
     odds: Floats = field(default_factory=lambda: _prior())
@@ -142,7 +142,7 @@ MODELS = len(_WAY)
 
 def _prior() -> Floats:
     same = np.full(len(IN_TIME), 1.0 / len(IN_TIME))
-    return np.concatenate([same, _GRID, same]) * WAYS[_WAY]
+    return np.asarray(np.concatenate([same, _GRID, same]) * WAYS[_WAY])
 
 
 def _above(z: Floats) -> Floats:
