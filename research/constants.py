@@ -82,9 +82,8 @@ HISTORY = "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"
 CONSTANTS = [
     *_of(None, "learning.gain_ratio", "TIE"),
     *_of(None, "learning.tree_growth", "LEAST_FRACTION AHEAD_MAX"),
-    *_of(NOVICES, "assistant.lateness", "SOONEST LATEST SPREADS OTHERWISE P_IMMEDIATE SHORTEST"),
-    *_of(NOVICES, "assistant.lateness", "THRESHOLDS_MAX"),
-    *_of(NOVICES, "assistant.late_commands", "BLAMED_SECONDS"),
+    *_of(NOVICES, "assistant.lateness", "SOONEST LATEST SPREADS STAYING OTHERWISE"),
+    *_of(NOVICES, "assistant.causes", "P_IMMEDIATE EVENTS NEAR THRESHOLDS_MAX"),
     *_of(NOVICES, "assistant.situation_sample", "SITUATIONS_MAX"),
     *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING NO_EXAMPLE_DISTANCE GAIN_MIN"),
     *_of(ENGINEERS, "assistant.questions", "CORRECTED"),

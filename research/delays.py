@@ -1,36 +1,34 @@
 """Measures how well an agent estimates how late a person's commands come.
 
-Novices (`novices.py`) whose delays are log-normal around different medians train a team. After
-some commands, the agent's estimate of the median is compared with the true one.
+Novices (`novices.py`) who are in time, early, or late by about some time (log-normally) train a
+team. After some commands, the agent's estimate of the median delay is compared with the true one;
+in the end, the moments for which their commands are recorded with those that they meant.
 
     scripts/python research/delays.py --people 12
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import replace
 from statistics import fmean, stdev
 from typing import Annotated
 
 import typer
 from novices import NOVICE, Novice
+from people_tables import OFF
 from pupils import InProcessPupil
 from rich.console import Console
 from rich.table import Table
 from teachers import intention_of
+from ways import Ways
 
 from hitab_core.example import Example
 
-MEDIANS = (0.2, 0.4, 0.6, 0.9, 1.2)
-"""Of the people's delays, s."""
-
-SPREAD = 0.28
-"""Of their logarithm: that of a novice, whose reaction is simple and whose choice varies."""
+DELAYS = (-0.2, 0.0, 0.3, 0.6, 0.9)
+"""Of the people, s; who is early sees ahead, and nothing is recorded for what is to come."""
 
 AFTER = (5, 10, 20)
-"""After so many late commands the estimate is read."""
+"""After so many commands to a world that ran the estimate is read."""
 
 
 class WatchedPupil(InProcessPupil):
@@ -52,36 +50,42 @@ class WatchedPupil(InProcessPupil):
         return taught
 
 
-def estimates(number: int, median: float, seed: int) -> list[float]:
-    """Return what the agent makes of one person's delay after each late command, s."""
-    habits = replace(
-        NOVICE, reaction=(0.0, 0.0), choice=(median, SPREAD), patience=0.0, inattention=0.0
-    )
+def trained(number: int, delay: float, seed: int) -> tuple[list[float], list[tuple[float, bool]]]:
+    """Have one person train a team.
+
+    Returns:
+        What the agent made of the delay after each late command, s; and how far off commands are
+        recorded, see `Diary.off`.
+    """
     pupil = WatchedPupil(seed * 1000 + number)
-    Novice(intention_of(number), habits, seed * 1000 + number).train(pupil)
+    person = Novice(intention_of(number), NOVICE, seed * 1000 + number, ways=Ways(delay=delay))
+    diary = person.train(pupil)
     pupil.close()
-    return pupil.estimates
+    return pupil.estimates, diary.off
 
 
 def main(
     people: Annotated[int, typer.Option(help="How many people of each delay.", min=2)] = 12,
     seed: Annotated[int, typer.Option(help="Of the people.")] = 77,
 ) -> None:
-    """Compare estimates of people's delays with the true ones."""
-    table = Table("true median, s", *(f"after {n} commands" for n in AFTER))
-    for median in MEDIANS:
-        found = [estimates(number, median, seed) for number in range(people)]
+    """Compare estimates of people's delays, and moments, with the true ones."""
+    heads = [f"bias ± spread after {n}, s" for n in AFTER]
+    table = Table("true median, s", *heads, f"more than {OFF} s off", "in another state")
+    for delay in DELAYS:
+        found = [trained(number, delay, seed) for number in range(people)]
         cells = []
         for after in AFTER:
-            ratios = [math.log(one[after - 1] / median) for one in found if len(one) >= after]
+            errors = [ones[after - 1] - max(0.0, delay) for ones, _ in found if len(ones) >= after]
             cells.append(
-                f"x {math.exp(fmean(ratios)):.2f}, spread x {math.exp(stdev(ratios)):.2f} "
-                f"({len(ratios)})"
-                if len(ratios) > 1
+                f"{fmean(errors):+.2f} ± {stdev(errors):.2f} ({len(errors)})"
+                if len(errors) > 1
                 else "too few"
             )
-        table.add_row(f"{median}", *cells)
-    Console().print(table)
+        off = [one for _, ones in found for one in ones]
+        cells.append(f"{fmean(abs(seconds) > OFF for seconds, _ in off):.0%}")
+        cells.append(f"{fmean(other for _, other in off):.0%}")
+        table.add_row(f"{delay}", *cells)
+    Console(width=150).print(table)
 
 
 if __name__ == "__main__":

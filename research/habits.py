@@ -86,12 +86,17 @@ class Diary:
         counts: commands, wrong ones, late ones, those not given, undos, corrections, trials.
         content: the plans with which the person was content.
         seconds: simulated time that the world ran.
+        own_seconds: the person's own time while the world ran, or while going back.
+        off: for each command whose moment is known, how much later it is recorded than it was due,
+            s of simulated time, and whether in another state than meant.
         failure: why the training could not be finished; "" if it was.
     """
 
     counts: Counter[str] = field(default_factory=Counter)
     content: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    own_seconds: float = 0.0
+    off: list[tuple[float, bool]] = field(default_factory=list)
     failure: str = ""
 
     def figures(self) -> dict[str, Any]:
@@ -100,5 +105,7 @@ class Diary:
             "counts": dict(self.counts),
             "content": list(self.content),
             "seconds": round(self.seconds, 1),
+            "own_seconds": round(self.own_seconds, 1),
+            "off": [(round(seconds, 2), other) for seconds, other in self.off],
             "failure": self.failure,
         }

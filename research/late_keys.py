@@ -31,7 +31,7 @@ from novices import DEMONSTRATIONS, NOVICE, UNCOUNTED, WATCHED, Novice
 from practice import going
 from pupils import Pupil, Sight
 from simulated_people import Course
-from teachers import PAPER_S, hold_times, intention_of, own_hold_time, playing
+from teachers import PAPER_S, hold_times, intention_of, own_hold_times, playing
 from topic_pupil import PUPIL, TopicPupil
 
 from hitab_core import START, Automaton, Example, HitabError, Repertoire, Term
@@ -232,7 +232,7 @@ def taught(what: str, number: int, seed: int, pupil: RealTimePupil) -> dict[str,
             "own": own,
             "of": catches(automata[CHASE.name], seed + 7) if automata else 0,
         }
-    own = own_hold_time(intention.name, EPISODES, seed + 7)
+    own, _ = own_hold_times(intention.name, EPISODES, seed + 7)
     play = playing(automata, intention.plans[-1].name, seed + 7)
     return figures | {"own": own, "of": fmean(hold_times(play, EPISODES)) if automata else 0.0}
 

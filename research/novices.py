@@ -20,6 +20,7 @@ from intentions import Intention, Plan
 from practice import SCENES, Scene, being_open, having_the_ball, playing
 from pupils import Pupil
 from simulated_people import Course, Person
+from ways import AS_THEY_ARE, Ways
 
 NOVICE = Habits(
     reaction=(0.3, 0.3), choice=(0.3, 0.55), waver=0.0, sight=0.15, overlooks=1.0, content=3
@@ -47,6 +48,7 @@ class Novice(Person):
         seed: of everything that the novice draws.
         answers: whether the novice answers what the keeper asks, one question at a time.
         estimated: whether the agent estimates how late the commands come.
+        ways: how the novice presses keys and uses time.
     """
 
     def __init__(
@@ -57,6 +59,7 @@ class Novice(Person):
         *,
         answers: bool = True,
         estimated: bool = True,
+        ways: Ways = AS_THEY_ARE,
     ) -> None:
         super().__init__(
             intention,
@@ -65,6 +68,7 @@ class Novice(Person):
             UNCOUNTED,
             estimated=estimated,
             answers=answers,
+            ways=ways,
         )
         # Whoever sees a robot do the wrong thing presses the key of the right one.
         self.contradicts = self.trusts = True

@@ -19,6 +19,7 @@ from practice import SCENES, Scene, being_open, having_the_ball, playing
 from pupils import Pupil
 from second_thoughts import SecondThoughts, as_seen
 from trial import Kind, Memory, Trial, begins
+from ways import AS_THEY_ARE, Timing, Ways
 
 from hitab_core import START
 from hitab_core.example import Example
@@ -54,6 +55,7 @@ class Person:
         reviews: whether the person looks through what was recorded after each trial.
         answers: whether the person answers the keeper's questions.
         slows: whether the person slows the world down where commands come too late.
+        ways: how the person presses keys and uses time.
     """
 
     def __init__(
@@ -67,9 +69,11 @@ class Person:
         reviews: bool = False,
         answers: bool = False,
         slows: bool = False,
+        ways: Ways = AS_THEY_ARE,
     ) -> None:
         self.intention = intention
-        self.habits = habits
+        self.habits = ways.habits(habits)
+        self.timing = Timing(ways, self.habits, seed)
         self.budget = budget
         self.diary = Diary()
         self.random = Random(f"person {seed}")
@@ -208,7 +212,7 @@ class Course:
             first = again is not None
             good = self._play(scene, guided=hand or first, first=first)
             if self.person.answers_between:
-                self._forget(self.trial(), self._second_thoughts().answer(self.allowance, 1))
+                self._forget(self.trial(), self._between())
             clean = clean + 1 if good and not hand else 0
             if clean >= wanted:
                 self.person.diary.content.append(self.plan.name)
@@ -244,6 +248,10 @@ class Course:
         self.memory.shown -= gone
         self.memory.lost |= gone
 
+    def _between(self) -> list[Example]:
+        """Answer questions between two trials; return the examples that this has deleted."""
+        return self._second_thoughts().answer(self.allowance, self.person.timing.ways.answers)
+
     def _second_thoughts(self) -> SecondThoughts:
         person = self.person
         return SecondThoughts(self.pupil, self.plan, person.habits, person.random, person.diary)
@@ -269,6 +277,7 @@ class Course:
             estimated=person.estimated,
             settle=self._settle,
             below={p.name: p for p in person.intention.plans if p is not self.plan},
+            timing=person.timing,
         )
 
     def demonstrate(self, scenes: Callable[[Random, int], Scene], seconds: float) -> None:
@@ -288,6 +297,14 @@ class Course:
         self.pupil.begin(plan, resume=True)
         return True
 
+    def _note_moments(self) -> None:
+        """Note how far off commands are recorded, before the next training begins."""
+        for e in self.pupil.examples():
+            meant = self.memory.meant.pop(e.number, None)
+            if meant is not None:
+                ago, left = meant
+                self.person.diary.off.append((ago - e.ago, e.state != left))
+
     def save(self) -> bool:
         """Save what there is, and show before what to begin with if that was lost.
 
@@ -300,5 +317,6 @@ class Course:
                 self.demonstrate(scenes, seconds=0.6)
         if not begins(self.pupil):
             return False
+        self._note_moments()
         self.pupil.save(keep_unused=True)
         return True

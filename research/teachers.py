@@ -11,6 +11,7 @@ research/teachers.md describes the method.
     scripts/python research/teachers.py --people 20 --causes
     scripts/python research/teachers.py --people 20 --each-aid
     scripts/python research/teachers.py --people 20 --wrong 0.1 --without reaction --diagnose
+    scripts/python research/teachers.py --people 100 --novices --delay 0
 """
 
 from __future__ import annotations
@@ -31,10 +32,11 @@ from finished_runs import FinishedRuns, Resume
 from habits import Habits
 from intentions import INTENTIONS, Intention
 from novices import NOVICE, Novice
-from people_tables import diagnosis, row
+from people_tables import by_chance, curve, diagnosis, row
 from pupils import InProcessPupil
 from simulated_people import Person
 from topic_pupil import TopicPupil
+from ways import AS_THEY_ARE, Ways
 
 from hitab_core import ASSISTANTS, Automaton, HitabError, Repertoire, has
 from hitab_world.inprocess import perform, play
@@ -81,6 +83,7 @@ class Setting:
         own_episodes: that each intention plays itself; the teams' episodes are among them.
         novices: whether the people are novices.
         over_topics: whether people train nodes; with all aids only.
+        ways: how people press keys and use time.
     """
 
     habits: Habits
@@ -92,6 +95,7 @@ class Setting:
     own_episodes: int = 200
     over_topics: bool = False
     novices: bool = False
+    ways: Ways = AS_THEY_ARE
 
     @property
     def games(self) -> int:
@@ -125,11 +129,12 @@ def hold_times(play: Play, episodes: int, needed: float = 0.0) -> list[float]:
 
 
 @cache
-def own_hold_time(name: str, episodes: int, seed: int) -> float:
-    """Return for how long an intention holds the ball when it plays itself, s."""
+def own_hold_times(name: str, episodes: int, seed: int) -> tuple[float, float]:
+    """Return for how long an intention holds the ball when it plays itself, and its spread, s."""
     intention = INTENTIONS[name]
     top = intention.plans[-1].name
-    return fmean(hold_times(playing(intention.automata(), top, seed), episodes))
+    times = hold_times(playing(intention.automata(), top, seed), episodes)
+    return fmean(times), stdev(times)
 
 
 def intention_of(number: int) -> Intention:
@@ -146,6 +151,7 @@ def person_of(number: int, setting: Setting) -> Person:
             setting.seed_of(number),
             answers="questions" in setting.aids,
             estimated="reaction" in setting.aids,
+            ways=setting.ways,
         )
     return Person(
         intention_of(number),
@@ -156,6 +162,7 @@ def person_of(number: int, setting: Setting) -> Person:
         reviews="review" in setting.aids,
         answers="questions" in setting.aids,
         slows="pace" in setting.aids,
+        ways=setting.ways,
     )
 
 
@@ -175,10 +182,11 @@ def pupil_of(number: int, setting: Setting) -> InProcessPupil | TopicPupil:
 def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
     """Have one person train a team, and the team play; return the figures."""
     intention = intention_of(number)
-    own = own_hold_time(intention.name, setting.own_episodes, setting.games)
+    own, spread = own_hold_times(intention.name, setting.own_episodes, setting.games)
     needed = max(PAPER_S, SHARE * own)
     person, pupil = person_of(number, setting), pupil_of(number, setting)
     figures: dict[str, Any] = {"person": number, "intention": intention.name, "own_s": own}
+    figures["by_chance"] = by_chance(own, spread, needed, setting.episodes, setting.own_episodes)
     try:
         diary = person.train(pupil)
         known = pupil.repertoire
@@ -315,13 +323,33 @@ def main(
     over_topics: Annotated[
         bool, typer.Option(help="Train nodes over topics and services, not in one process.")
     ] = False,
-    episodes: Annotated[int, typer.Option(help="Episodes of each team.", min=2)] = 200,
+    episodes: Annotated[
+        int | None, typer.Option(help="Episodes of each team; 200, of novices 400.", min=2)
+    ] = None,
     own_episodes: Annotated[
-        int, typer.Option(help="Episodes that each intention plays itself.", min=2)
-    ] = 200,
+        int | None,
+        typer.Option(help="Episodes that each intention plays itself; as many.", min=2),
+    ] = None,
     novices: Annotated[
         bool, typer.Option(help="Novices, who have habits of their own (novices.py).")
     ] = False,
+    delay: Annotated[
+        float | None,
+        typer.Option(help="People are late by about this, s; 0: in time; negative: early."),
+    ] = None,
+    pace_of_world: Annotated[
+        float, typer.Option(help="Of the world while they teach, of its usual.", min=0.01, max=1)
+    ] = 1.0,
+    answers: Annotated[int, typer.Option(help="Answers between trials.", min=1)] = 1,
+    surprised: Annotated[
+        bool, typer.Option(help="Only what is so or not so, and wrong changes, surprise people.")
+    ] = False,
+    freezes: Annotated[
+        float, typer.Option(help="Share of commands that freeze the world first.", min=0, max=1)
+    ] = 0.0,
+    goes_back: Annotated[
+        float, typer.Option(help="Share of commands given again by going back.", min=0, max=1)
+    ] = 0.0,
     budget: Annotated[int, typer.Option(help="The most examples that a team holds.", min=1)] = 60,
     seed: Annotated[int, typer.Option(help="Seed of people and games.")] = 2026,
     jobs: Annotated[int, typer.Option(help="Processes.", min=1)] = 1,
@@ -338,8 +366,19 @@ def main(
     aids = frozenset(AIDS) - off
     if over_topics and (off or each_aid):
         raise typer.BadParameter("nodes have all aids; leave out --over-topics, or the others")
+    ways = Ways(delay, pace_of_world, answers, surprised, freezes, goes_back)
+    usual = 400 if novices else 200
     setting = Setting(
-        habits, aids, episodes, seed, budget, diagnose, own_episodes, over_topics, novices
+        habits,
+        aids,
+        episodes or usual,
+        seed,
+        budget,
+        diagnose,
+        own_episodes or usual,
+        over_topics,
+        novices,
+        ways,
     )
     given = {**asdict(setting), "aids": sorted(setting.aids)}
     finished = FinishedRuns(resume, given)
@@ -349,9 +388,9 @@ def main(
         found = measure(range(first, first + people), case, jobs, title, finished)
         measured[title] = found
         if json:
-            Path(json).write_text(
-                js.dumps({**given, "people": measured}, indent=1) + "\n", encoding="utf-8"
-            )
+            curves = {name: curve(those) for name, those in measured.items()}
+            text = js.dumps({**given, "people": measured, "curves": curves}, indent=1)
+            Path(json).write_text(text + "\n", encoding="utf-8")
         if len(found) < people:
             break  # interrupted
     for title, found in measured.items():

@@ -8,7 +8,8 @@ or later, or not at all; now and then it is the wrong key (`Trial.press`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from random import Random
 from types import MappingProxyType
 
@@ -16,8 +17,9 @@ from habits import Diary, Habits, looked_at
 from intentions import DONE, DOUBT, OFF, YELLED, Plan, Seen
 from practice import Scene
 from pupils import WHETHER, Pupil, Sight
+from ways import AS_THEY_ARE, GOING_BACK, Timing
 
-from hitab_core import FLAGS, START
+from hitab_core import FLAGS, START, HitabError
 
 SLOWEST = 0.25
 """Nobody has the patience to let the world run slower, as a part of its usual pace."""
@@ -37,12 +39,16 @@ class _Press:
         at: the cycle in which the finger arrives.
         seen: what the person saw then.
         left: the state that the keeper was seen in then.
+        due: the cycle in which it was due.
+        frozen: whether the world is frozen when the finger arrives.
     """
 
     state: str
     at: int
     seen: Seen
     left: str = START
+    due: int = 0
+    frozen: bool = False
 
 
 @dataclass
@@ -55,6 +61,8 @@ class Memory:
         early: where the keeper left a state too early, by state.
         again: a situation in which the keeper began with the wrong state.
         pace: of the world, as a part of its usual one.
+        meant: of commands to a world that ran, by the number of the example: how long before the
+            command it was due, s of simulated time, and the state that was meant to be left.
     """
 
     shown: set[Kind] = field(default_factory=set)
@@ -62,6 +70,7 @@ class Memory:
     early: dict[str, Seen] = field(default_factory=dict)
     again: Scene | None = None
     pace: float = 1.0
+    meant: dict[int, tuple[float, str]] = field(default_factory=dict)
 
 
 def begins(pupil: Pupil) -> bool:
@@ -88,6 +97,7 @@ class Trial:
         estimated: whether the agent estimates how late the commands come.
         settle: has the person answer what the keeper asks at once after a command.
         below: the plans that were trained before, by name.
+        timing: of the person; None: as the habits are.
 
     Attributes:
         troubled: those of them that did what was not intended.
@@ -109,18 +119,20 @@ class Trial:
         estimated: bool = False,
         settle: Callable[[Trial], None] = lambda trial: None,
         below: Mapping[str, Plan] = MappingProxyType({}),
+        timing: Timing | None = None,
     ) -> None:
         self.pupil, self.plan, self.habits = pupil, plan, habits
         self.random, self.diary, self.memory = random, diary, memory
         self.allowance, self.contradicts = allowance, contradicts
-        self.pace, self.slows, self.settle = memory.pace, slows, settle
+        self.slows, self.settle = slows, settle
+        self.timing = timing or Timing(AS_THEY_ARE, habits, 0)
         self.trusts, self.estimated = trusts, estimated
         self.below, self.troubled = below, set[str]()
         self.wrong_since: dict[str, int] = {}
         self.given: list[int] = []
         self.now = self.blind = self.objections = 0
         self.pending: _Press | None = None
-        self.expected: tuple[int, str, Kind] | None = None
+        self.expected: tuple[int, str, Kind, int] | None = None
         self.missed: tuple[str, str] | None = None
         self.slip: tuple[int, str] | None = None
         self.late: int | None = None
@@ -128,6 +140,11 @@ class Trial:
         self.take_at: int | None = None
         self.guided = self.guiding = self.finished = False
         self.fresh()
+
+    @property
+    def pace(self) -> float:
+        """The world's pace, as a part of its usual one: a test runs at full pace."""
+        return self.memory.pace * (self.timing.ways.pace if self.guiding else 1.0)
 
     @property
     def exhausted(self) -> bool:
@@ -146,7 +163,7 @@ class Trial:
             seconds: to play; None: as long as the scene says.
         """
         self.diary.counts["trials"] += 1
-        seen = self.last = self.pupil.place(scene.start)
+        seen = self.last = self.before = self.pupil.place(scene.start)
         self.scene = scene
         self.guided = guided
         twist = scene.twist
@@ -164,6 +181,7 @@ class Trial:
             before, seen = seen, self.pupil.step()
             self.now += 1
             self.diary.seconds += self.pupil.cycle_seconds
+            self.diary.own_seconds += self.pupil.cycle_seconds / self.pace
             if seen.ended:
                 if self.pending is not None and self.slows:
                     self.memory.pace = max(SLOWEST, self.memory.pace / 2.0)
@@ -223,7 +241,10 @@ class Trial:
 
     def attend(self, before: Sight, seen: Sight) -> None:
         """Watch one cycle and act on it."""
-        self.last = seen
+        if self.timing.ways.foresees:
+            seconds = self.pupil.cycle_seconds / self.pace
+            seen = replace(seen, values=self.timing.foreseen(before.values, seen.values, seconds))
+        self.before, self.last = self.last, seen
         self.look_below(seen)
         self.repair()
         if self.pending is not None:
@@ -297,7 +318,7 @@ class Trial:
             ):
                 self.objections += 1
                 if self.contradicts:
-                    self.decide(before.state, self.wish(before.state, seen.values))
+                    self.decide(before.state, self.wish(before.state, seen.values), ago=1)
                     return
                 if before.state == START:  # only a new beginning can show what to begin with
                     self.memory.again, self.finished = self.scene, True
@@ -324,9 +345,9 @@ class Trial:
                 wait = round(self.habits.patience * self.pace / self.pupil.cycle_seconds)
                 wished = self.wish(state, seen.values)
                 kind = self.kind(state, wished, seen.values)
-                self.expected = (self.now + wait, wished, kind)
+                self.expected = (self.now + wait, wished, kind, self.now)
             return
-        until, wished, kind = self.expected
+        until, wished, kind, since = self.expected
         if self.now < until:
             return
         self.expected = None
@@ -336,10 +357,22 @@ class Trial:
         if again == state and not (momentary and wished != state):
             return
         self.objections += 1
-        self.decide(state, again if again != state else wished)
+        self.decide(state, again if again != state else wished, ago=self.now - since)
 
-    def decide(self, state: str, wished: str) -> None:
-        """Decide to command; the finger follows after the reaction time, unless distracted."""
+    def surprises(self) -> bool:
+        """Return whether something is so, or not so, that was otherwise a cycle before."""
+        before, seen = self.before, self.last
+        news = (f for f in self.plan.features if f in WHETHER)
+        return before.state != seen.state or any(before.values[f] != seen.values[f] for f in news)
+
+    def decide(self, state: str, wished: str, ago: int = 0) -> None:
+        """Decide to command; the finger follows after the reaction time, unless distracted.
+
+        Args:
+            state: that is meant to be left.
+            wished: what to command.
+            ago: how many cycles before it was due.
+        """
         if self.exhausted:
             return
         if self.late is None and self.random.random() < self.habits.inattention:
@@ -352,8 +385,9 @@ class Trial:
                 self.blind = self.now + self.cycles(self.random.uniform(*self.habits.away))
                 self.diary.counts["not given"] += 1
             return
-        at = self.now + self.cycles(self.habits.reacts(self.random))
-        press = _Press(wished, at, self.last.values, state)
+        delay, frozen = self.timing.reacts(self.random, surprise=self.surprises())
+        at = self.now + self.cycles(delay)
+        press = _Press(wished, at, self.last.values, state, self.now - ago, frozen)
         if press.at == self.now:
             self.pending = None
             self.press(press)
@@ -368,6 +402,7 @@ class Trial:
 
     def press(self, press: _Press, *, paused: bool = False) -> None:
         """Command; now and then another behavior than meant."""
+        pace = self.pace if self.estimated and not paused and not press.frozen else 0.0
         if not self.guiding:
             self.pupil.take_over()
             self.guiding = True
@@ -377,12 +412,16 @@ class Trial:
         if wrong:
             state = self.random.choice([s for s in self.plan.states if s != meant])
         late = self.late is not None
-        taught = self.pupil.command(state, self.pace if self.estimated and not paused else 0.0)
+        taught = self.pupil.command(state, pace)
         if not taught:
             self.diary.counts["not given"] += 1
             return
         self.given += [e.number for e in taught if not e.is_default]
         self.diary.counts["commands"] += 1
+        if not wrong and not paused:
+            ago = (self.now - press.due) * self.pupil.cycle_seconds
+            self.memory.meant[taught[0].number] = ago, press.left
+            self.go_back(taught[0].number, ago)
         left = press.left if self.trusts else taught[0].state
         shown = self.kind(left, state, press.seen)
         if not wrong:
@@ -402,6 +441,19 @@ class Trial:
             self.diary.counts["taken back"] += 1
         self.settle(self)
 
+    def go_back(self, number: int, ago: float) -> None:
+        """Give a command again for the frame that seems to be the right one.
+
+        The wrongly timed one is deleted, which is what retiming is.
+        """
+        missed = self.timing.again()
+        if missed is None:
+            return
+        self.diary.counts["went back"] += 1
+        self.diary.own_seconds += GOING_BACK
+        with suppress(HitabError):
+            self.pupil.retime([number], max(0.0, ago + missed))
+
     def repair(self, *, force: bool = False) -> None:
         """Put a wrong command right once it is noticed."""
         if self.slip is None or (self.now < self.slip[0] and not force):
@@ -413,4 +465,4 @@ class Trial:
             self.diary.counts["taken back"] += 1
         elif not force and not self.exhausted:
             at = self.now + self.cycles(self.habits.reacts(self.random))
-            self.pending = _Press(meant, at, self.last.values, self.last.state)
+            self.pending = _Press(meant, at, self.last.values, self.last.state, self.now)

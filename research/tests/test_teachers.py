@@ -9,7 +9,8 @@ import teachers
 import typer
 from habits import Diary, Habits
 from intentions import INTENTIONS, Intention
-from people_tables import interval
+from novices import NOVICE
+from people_tables import OFF, by_chance, curve, interval
 from practice import approaching
 from pupils import InProcessPupil
 from second_thoughts import SecondThoughts
@@ -18,6 +19,7 @@ from teachers import NOTHING, Setting, intention_of, person_of, pupil_of
 from topic_pupil import TopicPupil
 from trial import Memory, Trial
 from typer.testing import CliRunner
+from ways import GOING_BACK, Ways
 
 from hitab_core import Repertoire
 from hitab_world import Placement
@@ -259,3 +261,64 @@ def test_the_interval_of_a_count_is_wilsons():
     assert interval(13, 20) == pytest.approx((0.433, 0.819), abs=5e-4)
     assert interval(0, 10) == pytest.approx((0.0, 0.278), abs=5e-4)
     assert interval(10, 10) == pytest.approx((0.722, 1.0), abs=5e-4)
+
+
+def taught_by(ways):
+    """Return the diary of a novice with these ways, and the keeper that it taught."""
+    setting = Setting(NOVICE, seed=11, novices=True, ways=ways)
+    pupil = pupil_of(1, setting)
+    try:
+        diary = person_of(1, setting).train(pupil)
+    finally:
+        pupil.close()
+    return diary, pupil
+
+
+def share_off(diary):
+    return sum(abs(seconds) > OFF or other for seconds, other in diary.off) / len(diary.off)
+
+
+def test_a_person_in_time_is_left_alone():
+    diary, pupil = taught_by(Ways(delay=0.0))
+    assert pupil.lateness < 0.2
+    assert share_off(diary) < 0.2
+
+
+def test_a_person_who_sees_it_coming_is_not_taken_for_late():
+    early, pupil = taught_by(Ways(delay=-0.2))
+    assert pupil.lateness < 0.2
+    assert all(seconds <= 0.5 for seconds, _ in early.off)
+
+
+def test_going_back_costs_time_and_mends_moments():
+    late, _ = taught_by(Ways(delay=0.9))
+    back, _ = taught_by(Ways(delay=0.9, goes_back=1.0))
+    assert back.counts["went back"] >= len(back.off) > 0
+    assert late.counts["went back"] == 0
+    assert back.own_seconds >= GOING_BACK * back.counts["went back"]
+    assert share_off(back) < share_off(late)
+
+
+def test_a_frozen_world_shows_what_was_there_after_the_simple_reaction():
+    diary, _ = taught_by(Ways(freezes=1.0))
+    # Taking over takes longer: a wrong change is seen a cycle later, staying is waited for.
+    assert {round(seconds, 6) for seconds, _ in diary.off} <= {0.3, 0.4, 0.6}
+
+
+def test_what_comes_slower_takes_longer():
+    slow = taught_by(Ways(pace=0.5))[0]
+    assert slow.own_seconds > 1.05 * slow.seconds
+
+
+def test_a_team_as_good_as_the_intention_fails_by_chance_when_games_are_few():
+    few, many = (by_chance(30.0, 30.0, 24.0, count, count) for count in (100, 400))
+    assert few == pytest.approx(0.059, abs=0.005)
+    assert many < 0.002
+
+
+def test_success_is_told_by_commands_given():
+    people = [
+        {"counts": {"commands": 12}, "success": False, "hold_s": 10.0, "own_s": 20.0},
+        {"counts": {"commands": 31}, "success": True, "hold_s": 20.0, "own_s": 20.0},
+    ]
+    assert [(step["commands"], step["succeed"]) for step in curve(people)] == [(10, 0), (30, 1)]

@@ -15,6 +15,10 @@ from hitab_core.training_session import ASSISTANTS
 CART = plain_domain("cart", {"Go": [1.0], "Turn": [0.0]}, ["Distance"])
 
 
+WALL = 4.0
+"""Where its person wants it to turn, m."""
+
+
 class Cart:
     """A cart that drives at a wall; its person turns it a second too late."""
 
@@ -35,11 +39,11 @@ class Cart:
         self.agent.sense([distance], [], self.cycle, self.cycle * 0.1, jumped=jumped)
         self.agent.tick()
 
-    def drive(self) -> None:
-        self.see(6.0, jumped=True)
+    def drive(self, speed: float = 0.1) -> None:
+        self.see(WALL + 20 * speed, jumped=True)
         self.agent.command(Term("Go"))
-        for step in range(30):
-            self.see(6.0 - 0.1 * step)
+        for step in range(-19, 11):
+            self.see(WALL - speed * step)
         self.agent.command(Term("Turn"), Given(pace=1.0))
 
 
@@ -47,11 +51,15 @@ def test_without_the_estimate_of_reactions_a_late_command_means_what_was_seen(
     tmp_path: Path,
 ) -> None:
     helped, alone = Cart(tmp_path / "1"), Cart(tmp_path / "2", without=["reaction"])
-    helped.drive()
-    alone.drive()
-    (seen,) = {e.features for e in alone.session.examples if e.next_state == "Turn"}
-    assert seen == pytest.approx([3.1])
-    assert all(e.features > seen for e in helped.session.examples if e.next_state == "Turn")
+    for speed in (0.1, 0.05, 0.15, 0.2, 0.12):
+        helped.drive(speed)
+        alone.drive(speed)
+    seen, meant = (
+        [e.features[0] for e in cart.session.examples if (e.state, e.next_state) == ("Go", "Turn")]
+        for cart in (alone, helped)
+    )
+    assert seen == pytest.approx([WALL - 10 * speed for speed in (0.1, 0.05, 0.15, 0.2, 0.12)])
+    assert all(abs(there - WALL) < 0.5 for there in meant)
     assert alone.agent.people == {}
 
 
@@ -114,7 +122,7 @@ def test_anybody_may_subscribe_and_propose_the_moment_of_a_command(tmp_path: Pat
     cart.session.events.changed.subscribe(lambda record: steps.append(record["do"]))
     cart.drive()
     (turn, *_) = [e for e in cart.session.examples if e.next_state == "Turn"]
-    assert turn.features == pytest.approx([3.6])
+    assert turn.features == pytest.approx([WALL - 0.5])
     assert turn.ago == pytest.approx(0.5)
     cart.session.undo()
     assert steps == ["command", "command", "undo"]

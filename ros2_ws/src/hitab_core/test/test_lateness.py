@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sqlite3
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 from random import Random
@@ -11,10 +12,13 @@ from random import Random
 import pytest
 
 from hitab_core import Agent, BehaviorLibrary, Given, Term, TrainingError, plain_domain
+from hitab_core.assistant.lateness import Lateness
+from hitab_core.domain import Feature, FeatureKind
 from hitab_core.example import Example
 from hitab_core.training import Curriculum
 
-CART = plain_domain("cart", {"Go": [1.0], "Turn": [0.0]}, ["Distance", "Weather"])
+DOOR = Feature("Door", lambda body: body.percept[2], kind=FeatureKind.BOOLEAN)
+CART = plain_domain("cart", {"Go": [1.0], "Turn": [0.0]}, ["Distance", "Weather", DOOR])
 STEP = 0.05
 WALL = 3.0
 """The person means: turn when the wall is nearer than this, m."""
@@ -23,10 +27,11 @@ WALL = 3.0
 class Course:
     """A cart that runs at a wall, again and again, each time at another speed."""
 
-    def __init__(self, folder: Path, seed: int = 1) -> None:
+    def __init__(self, folder: Path, seed: int = 1, *, doors: bool = False) -> None:
         self.folder, self.random, self.time, self.cycle = folder, Random(seed), 0.0, 0
         self.agent = self.made()
-        self.agent.begin(Curriculum("Bounce", (Term("Distance"), Term("Weather"))))
+        self.door, self.features = 0.0, tuple(map(Term, ("Distance", "Weather", "Door")))
+        self.agent.begin(Curriculum("Bounce", self.features[: 2 + doors]))
 
     def made(self) -> Agent:
         library = BehaviorLibrary(self.folder / "library", CART)
@@ -35,12 +40,15 @@ class Course:
     def sense(self, distance: float, *, jumped: bool = False) -> None:
         self.cycle += 1
         self.time += STEP
-        percept = [distance, self.random.random()]
+        percept = [distance, self.random.random(), self.door]
         self.agent.sense(percept, [], self.cycle, self.time, jumped=jumped)
         self.agent.tick()
 
-    def run(self, delay: float, pace: float = 1.0) -> Example:
-        """Run at the wall once; the person turns it so late, in seconds of their own."""
+    def run(self, delay: float, pace: float = 1.0, *, lag: int = 0) -> Example:
+        """Run at the wall once; the person turns it so late, in seconds of their own.
+
+        The command is on its way for ``lag`` cycles.
+        """
         speed = self.random.uniform(1.0, 6.0)
         distance = WALL + speed * self.random.uniform(0.8, 1.5)
         self.sense(distance, jumped=True)
@@ -51,7 +59,11 @@ class Course:
         for _ in range(round(delay * pace / STEP)):
             distance -= speed * STEP
             self.sense(distance)
-        return self.agent.command(Term("Turn"), Given(pace=pace))[0]
+        seen = self.cycle
+        for _ in range(lag):
+            distance -= speed * STEP
+            self.sense(distance)
+        return self.agent.command(Term("Turn"), Given(seen=seen, pace=pace))[0]
 
     @property
     def turns(self) -> list[Example]:
@@ -59,6 +71,10 @@ class Course:
         return [
             e for e in self.agent.session.examples if (e.state, e.next_state) == ("Go", "Turn")
         ]
+
+    @property
+    def people(self) -> Mapping[str, Lateness]:
+        return self.agent.people
 
     @property
     def estimate(self) -> float:
@@ -77,6 +93,76 @@ def test_people_who_are_a_little_and_very_late_are_understood_alike(
     unaware = 3.5 * delay  # by the mean speed
     assert len(late) == 10
     assert math.fsum(map(abs, late)) / 10 < max(0.4, 0.35 * unaware)
+
+
+def test_a_person_in_time_is_left_alone(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    for _ in range(10):
+        course.run(0.0)
+    assert course.people[""].median < 0.1
+    assert all(example.ago <= 2 * STEP for example in course.turns)
+
+
+def test_what_is_on_its_way_is_no_delay_of_the_person(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    for _ in range(8):
+        course.run(0.4, lag=12)
+    assert course.estimate == pytest.approx(0.4, rel=0.35)
+    assert all(abs(e.features[0] - WALL) < 0.7 for e in course.turns)
+
+
+def test_what_a_person_tells_of_some_commands_shows_how_late_others_are(tmp_path: Path) -> None:
+    unaware, told = Course(tmp_path / "unaware"), Course(tmp_path / "told")
+    for course in (unaware, told):
+        taught = [course.run(0.8) for _ in range(2)]
+        if course is told:
+            assert course.agent.session is not None
+            course.agent.session.retime([example.number for example in taught], 0.8)
+        course.run(0.8)
+    assert abs(told.estimate - 0.8) < abs(unaware.estimate - 0.8)
+    assert told.estimate == pytest.approx(0.8, rel=0.2)
+
+
+def test_a_paused_world_tells_nothing_of_delays(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    for _ in range(5):
+        course.run(0.6, pace=0.0)
+    assert course.agent.people == {}
+
+
+def test_what_is_so_or_not_so_draws_the_moment_there(tmp_path: Path) -> None:
+    """Each time the door opens at another distance; the person reacts to that, never alike."""
+    course, noise = Course(tmp_path, doors=True), Random(3)
+    opened = []
+    for _ in range(8):
+        course.door = 0.0
+        course.sense(9.0, jumped=True)
+        course.agent.command(Term("Go"))
+        wait = noise.randint(10, 40)
+        for at in range(wait + round(0.5 * noise.lognormvariate(0.0, 0.25) / STEP)):
+            course.door = float(at >= wait)
+            course.sense(9.0 - 0.1 * at)
+            if at == wait:
+                opened.append(course.cycle)
+        course.agent.command(Term("Turn"), Given(pace=1.0))
+    assert [example.cycle for example in course.turns] == opened
+
+
+def test_any_wrong_change_of_the_last_seconds_is_corrected(tmp_path: Path) -> None:
+    """It leaves Go for Turn, which is wrong; the person takes over half a second later."""
+    course = Course(tmp_path)
+    course.sense(9.0)
+    course.agent.command(Term("Go"))
+    course.sense(5.0)
+    course.agent.command(Term("Turn"))
+    course.agent.test()
+    course.agent.restart(1, 1)
+    for distance in (*[9.0] * 8, *[5.0] * 10):
+        course.sense(distance)
+    assert course.agent.active_path == ["Turn"]
+    course.agent.take_over()
+    taught = course.agent.command(Term("Go"), Given(pace=1.0))[0]
+    assert (taught.state, taught.features[0]) == ("Go", 5.0)
 
 
 def test_what_is_commanded_later_shows_what_was_meant_before(tmp_path: Path) -> None:

@@ -1,285 +1,178 @@
-"""Lateness: when late commands were due, learned from the commands themselves.
+"""Lateness: how late a person's commands come, learned from the commands themselves.
 
-A person who commands a moving robot is late by an unknown time. But commands of one
-kind (leave this state, go to that one) have a common cause, say, that the ball is nearer than some
-distance, or that a flag was raised. A guess of that cause gives for each command the time when it
-was due, and so its delay; with a good guess, all delays of a person are about equal. So the cause
-and the delay are estimated together, as a distribution over both:
+A person who commands a moving robot is late by an unknown time; or in time, since the person saw
+it coming, or the world crawls; or in time for what can be foreseen, such as a threshold, and late
+for what surprises: something is so that was not so, or the automaton does what is wrong. Each of
+these is as likely at first:
 
-- *The delay*: log-normal, with the median and the spread on a grid (`Lateness`). It begins as wide
-  as people are: 95 % of the medians between 0.2 and 1.2 s.
-- *The cause*: one feature passed some threshold, came nearer to or farther from straight
-  ahead, or took a value; all features are as likely, and of one feature all its thresholds. A
-  command that was not given while the guess held speaks against it, the more the longer it held.
-- One command in ten is taken to answer to something else.
+- in time: the delay is half-normal, with the spread on a grid;
+- late: it is log-normal, with the median and the spread on a grid, as wide as people are: 95 % of
+  the medians between 0.2 and 1.2 s;
+- surprised: in time or late, as the cause is; late by as much as people are, whoever it is.
 
-The moment of a command is the median of this distribution. The only command of its kind gives
-little evidence, so it counts as due the person's usual delay before it came. A person who takes
-over from an automaton corrects its last change of state, or a missing change, whichever fits.
+Who watches an automaton may wait before taking over; that is no part of the person's delay. When
+commands were due is in `hitab_core.assistant.causes`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from hitab_core.domain import FeatureKind, Scale
-from hitab_core.numeric.arrays import Booleans, Floats, Integers
+from hitab_core.numeric.arrays import Floats
 
 SOONEST, LATEST = 0.2, 1.2
 """Medians of people's delays, s: 95 % of them lie in between at first."""
 
 MEDIANS = np.geomspace(0.1, 2.4, 21)
 SPREADS = np.array([0.15, 0.3, 0.5])
-"""The grid: medians, s, and standard deviations of the logarithm."""
+"""The grid of who is late: medians, s, and standard deviations of the logarithm."""
+
+IN_TIME = np.array([0.05, 0.1, 0.2])
+"""The grid of who is in time: standard deviations of the delay, s."""
+
+WAYS = np.array([1.0, 1.0, 1.0]) / 3.0
+"""Probability, before any command, that a person is in time, late, or late if surprised."""
 
 OTHERWISE = 0.1
 """The part of commands that have another cause than the others of their kind."""
 
-P_IMMEDIATE = 0.1
-"""Probability that a command answers to a condition that held when its state began, relative to
-later conditions. The former guesses are more numerous, since half of all thresholds are passed
-from the beginning."""
+STAYING = 0.9
+"""Probability that a command of the state that is active corrects a change that came too early."""
 
-SHORTEST = 0.05
-"""No delay is shorter, s: a person's eyes and fingers take that long."""
+WAITS = np.linspace(0.0, 0.5, 6)
+"""How long somebody who watches waits before taking over, s: these are equally probable."""
+
+ALONE = 0.1
+"""How long a moment is taken to last of which no other is known, s."""
 
 TINY = 1e-300
 """Keeps logarithms finite."""
 
-THRESHOLDS_MAX = 60
-"""The most thresholds of one feature that are compared."""
-
 
 @dataclass(frozen=True)
 class LateCommand:
-    """A command that came late.
+    """A command that may have come late.
 
     Attributes:
         state, label: the state left, and the next state.
         delays: shape (n,), how long before the command each moment was for which it may have been
             meant, in the person's seconds, descending.
         values: shape (n, m), of the features in these moments.
-        changed: time from the automaton's last change of state to the command, s; None if the
-            command cannot correct that change.
-        corrects: whether the command corrects that change; None if unknown.
+        watched: whether the person let the automaton decide until then.
+        changed: times from changes of state by the automaton, which the command may correct, to
+            the command, s.
     """
 
     state: str
     label: str
     delays: Floats
     values: Floats
-    changed: float | None = None
-    corrects: bool | None = None
+    watched: bool = False
+    changed: tuple[float, ...] = ()
+
+    @cached_property
+    def masses(self) -> Floats:
+        """How probably it came after each of its delays; see `masses`."""
+        return masses(self.delays, waits=self.watched)
+
+    @cached_property
+    def survival(self) -> Floats:
+        """How probably it would have come later than after each delay; see `masses`."""
+        return _survival(self.delays, waits=self.watched)
+
+    @cached_property
+    def changes(self) -> Floats:
+        """How probably it came after each change, shape (changes, models)."""
+        alone = (masses(np.array([delay]))[1] for delay in self.changed)
+        return np.concatenate([np.empty((0, MODELS)), *alone])
 
     @property
     def odds_of_change(self) -> float:
-        """Probability, before looking at the time, that the command corrects the change."""
-        if self.changed is None:
+        """Probability, before looking at the time, that the command corrects a change."""
+        if not self.changed:
             return 0.0
-        return 0.5 if self.corrects is None else float(self.corrects)
+        return STAYING if self.state == self.label else 0.5
 
 
 @dataclass
 class Lateness:
-    """Lateness of a person's commands: probabilities over the grid.
+    """Lateness of a person's commands: probabilities over the grids.
 
     Attributes:
-        odds: shape (medians, spreads), adding up to 1.
+        odds: shape (models,), adding up to 1: in time, late, late if surprised.
     """
 
     odds: Floats = field(default_factory=lambda: _prior())
 
     @property
-    def median(self) -> float:
-        """The delay, s, that half of the commands are expected to exceed."""
-        return float(np.exp(np.sum(self.odds * np.log(MEDIANS)[:, None])))
+    def decided(self) -> Lateness:
+        """The lateness, given the most probable of the ways to be late."""
+        ways = np.bincount(_WAY, self.odds)
+        odds = np.where(ways.argmax() == _WAY, self.odds, 0.0)
+        return Lateness(odds / odds.sum())
 
-    def density(self, delays: Floats) -> Floats:
-        """Return how probable delays are, shape (n,), per second."""
-        return np.asarray((_density(delays) * self.odds).sum(axis=(1, 2)))
+    @property
+    def median(self) -> float:
+        """The delay, s, that half of the commands are expected to exceed if nothing surprises."""
+        return float(np.exp(np.sum(self.decided.odds * np.log(_HALF))))
+
+    def density(self, delays: Floats, *, waits: bool) -> Floats:
+        """Return how probable delays are if nothing surprises, shape (n,); see `masses`."""
+        return np.asarray(masses(delays, waits=waits)[0] @ self.odds)
+
+
+_MIDDLE, _WIDTH = math.log(SOONEST * LATEST) / 2.0, math.log(LATEST / SOONEST) / 4.0
+_LATE = np.exp(-0.5 * ((np.log(MEDIANS) - _MIDDLE) / _WIDTH) ** 2)
+_GRID = np.repeat(_LATE, len(SPREADS)) / (len(SPREADS) * _LATE.sum())
+"""How probable each late model is for somebody who is late."""
+
+_WAY = np.repeat([0, 1, 2], [len(IN_TIME), len(_GRID), len(IN_TIME)])
+"""Of each model of a delay: in time, late, or late if surprised."""
+
+_HALF = np.concatenate([0.6745 * IN_TIME, np.repeat(MEDIANS, len(SPREADS)), 0.6745 * IN_TIME])
+"""The median delay of each model if nothing surprises, s."""
+
+MODELS = len(_WAY)
+"""How many models of a delay there are."""
 
 
 def _prior() -> Floats:
-    middle = math.log(math.sqrt(SOONEST * LATEST))
-    width = math.log(LATEST / SOONEST) / 4.0
-    odds = np.exp(-0.5 * ((np.log(MEDIANS) - middle) / width) ** 2)
-    grid = np.repeat(odds[:, None], len(SPREADS), axis=1)
-    return np.asarray(grid / grid.sum())
+    same = np.full(len(IN_TIME), 1.0 / len(IN_TIME))
+    return np.asarray(np.concatenate([same, _GRID, same]) * WAYS[_WAY])
 
 
-def _density(delays: Floats) -> Floats:
-    """Return how probable delays are: shape (*delays, medians, spreads), per second."""
-    seconds = np.maximum(delays, SHORTEST)[..., None, None]
-    z = (np.log(seconds) - np.log(MEDIANS)[:, None]) / SPREADS
-    return np.asarray(np.exp(-0.5 * z**2) / (seconds * SPREADS * math.sqrt(2.0 * math.pi)))
+def _above(z: Floats) -> Floats:
+    """Return how probably a standard normal number is larger, to 0.0003."""
+    return np.asarray(0.5 - 0.5 * np.tanh(math.sqrt(2.0 / math.pi) * (z + 0.044715 * z**3)))
 
 
-def _survival(seconds: Floats) -> Floats:
-    """Return how probable it is that a delay is longer: shape (*seconds, medians, spreads)."""
+def _survival(seconds: Floats, *, waits: bool = False) -> Floats:
+    """Return how probable it is that a delay is longer, in the shape of `masses`."""
+    if waits:
+        return np.asarray(_survival(seconds[..., None] - WAITS).mean(axis=-2))
     z = (np.log(np.maximum(seconds, 1e-3))[..., None, None] - np.log(MEDIANS)[:, None]) / SPREADS
-    return np.asarray(0.5 * _erfc(z / math.sqrt(2.0)))
+    late = _above(z).reshape(*seconds.shape, -1)
+    in_time = 2.0 * _above(np.maximum(seconds, 0.0)[..., None] / IN_TIME)
+    surprised = np.broadcast_to((late @ _GRID)[..., None], in_time.shape)
+    kinds = (np.concatenate([in_time, late, rest], axis=-1) for rest in (in_time, surprised))
+    return np.stack([*kinds])
 
 
-_erfc = np.vectorize(math.erfc, otypes=[np.float64])
-
-
-def settled(
-    commands: Sequence[LateCommand], scales: Sequence[Scale], before: Lateness
-) -> tuple[list[int], Lateness]:
-    """Return the moment at which each command was due, and the lateness of the person.
+def masses(delays: Floats, *, waits: bool = False) -> Floats:
+    """Return how probable delays are, each together with what is nearer to it than to another.
 
     Args:
-        commands: commands of one person.
-        scales: scales of the features.
-        before: lateness of the person as estimated before these commands.
+        delays: shape (n,), descending, s.
+        waits: whether the person may have waited before.
 
     Returns:
-        Indices of moments, -1 for the change of state that a command corrects; and the lateness.
+        Shape (2, n, models): if what the person reacts to can be foreseen, and if it surprises.
     """
-    kinds: dict[tuple[str, str], list[int]] = {}
-    for i, command in enumerate(commands):
-        kinds.setdefault((command.state, command.label), []).append(i)
-    log_odds = np.log(before.odds + TINY)
-    found = {}
-    for kind, members in kinds.items():
-        others = [c for c in commands if c.state == kind[0] and c.label != kind[1]]
-        found[kind] = _explanations([commands[i] for i in members], others, scales)
-        log_odds += _log_sum(found[kind].log_likelihood)
-    odds = np.exp(log_odds - log_odds.max())
-    after = Lateness(odds / odds.sum())
-    dues = [0] * len(commands)
-    for kind, members in kinds.items():
-        for i, due in zip(members, found[kind].dues(after), strict=True):
-            dues[i] = due
-    return dues, after
-
-
-def _log_sum(values: Floats) -> Floats:
-    """Return the logarithm of a sum over the first axis."""
-    top = values.max(axis=0)
-    return np.asarray(top + np.log(np.exp(values - top).sum(axis=0)))
-
-
-@dataclass
-class _Explanations:
-    """Possible causes of commands of one kind.
-
-    Attributes:
-        commands: commands of the kind.
-        first: shape (guesses, commands), the first moment in which each guess holds, or -1.
-        fitting: shape (guesses, commands, medians, spreads), how probable it is that a command
-            answers to a guess.
-        changing: the same shape, how probable it is that a command corrects a change of state.
-        log_likelihood: shape (guesses, medians, spreads), with the guess's own probability.
-    """
-
-    commands: Sequence[LateCommand]
-    first: Integers
-    fitting: Floats
-    changing: Floats
-    log_likelihood: Floats
-
-    def dues(self, lateness: Lateness) -> list[int]:
-        """Return the median of the moments that each command may have been meant for."""
-        likelihood = self.log_likelihood + np.log(lateness.odds + TINY)
-        odds = np.exp(likelihood - likelihood.max())
-        odds /= odds.sum()
-        dues = []
-        for i, command in enumerate(self.commands):
-            if (odds * self.changing[:, i]).sum() > 0.5:
-                dues.append(-1)
-                continue
-            answers = (odds * self.fitting[:, i]).sum(axis=(1, 2))
-            known = self.first[:, i] >= 0
-            weights = np.bincount(
-                self.first[known, i], answers[known], minlength=len(command.delays)
-            )
-            usual = (_density(command.delays) * odds.sum(axis=0)).sum(axis=(1, 2))
-            total = usual.sum()
-            rest = max(0.0, 1.0 - float(weights.sum()))
-            weights = weights + (rest * usual / total if total > 0 else rest / len(usual))
-            dues.append(int(np.searchsorted(np.cumsum(weights), 0.5 * weights.sum())))
-        return dues
-
-
-def _explanations(
-    commands: Sequence[LateCommand], others: Sequence[LateCommand], scales: Sequence[Scale]
-) -> _Explanations:
-    guesses, guessed = _guesses(commands, others, scales)
-    firsts = _firsts(guesses, [*commands, *others])
-    first = firsts[:, : len(commands)]
-    grid = (len(MEDIANS), len(SPREADS))
-    fitting = np.empty((len(guesses), len(commands), *grid))
-    changing = np.empty_like(fitting)
-    log_likelihood = np.log(guessed)[:, None, None] + np.zeros((1, *grid))
-    for i, command in enumerate(commands):
-        length = max(float(command.delays[0]), SHORTEST)
-        density = np.concatenate([_density(command.delays), np.zeros((1, *grid))])
-        change = command.odds_of_change
-        answered = (1.0 - change) * (1.0 - OTHERWISE) * density[first[:, i]]
-        answered[first[:, i] == 0] *= P_IMMEDIATE
-        corrected = change * _density(np.array(command.changed or SHORTEST))
-        likelihood = answered + corrected + (1.0 - change) * OTHERWISE / length + TINY
-        fitting[:, i] = answered / likelihood
-        changing[:, i] = corrected / likelihood
-        log_likelihood += np.log(likelihood)
-    for other, held in zip(others, firsts.T[len(commands) :], strict=True):
-        patience = np.concatenate(
-            [_survival(other.delays), np.ones((1, len(MEDIANS), len(SPREADS)))]
-        )
-        log_likelihood += np.log((1.0 - OTHERWISE) * patience[held] + OTHERWISE)
-    return _Explanations(commands, first, fitting, changing, log_likelihood)
-
-
-def _guesses(
-    commands: Sequence[LateCommand], others: Sequence[LateCommand], scales: Sequence[Scale]
-) -> tuple[Booleans, Floats]:
-    """Return the possible causes of commands.
-
-    Returns:
-        shape (guesses, moments of the commands and then of the others), in which moments each
-            guess holds; and shape (guesses,), how probable it is at first.
-    """
-    values = np.concatenate([command.values for command in (*commands, *others)])
-    own = sum(len(command.values) for command in commands)
-    found: list[list[Booleans]] = []
-    for column, scale in zip(values.T, scales, strict=True):
-        of_feature: list[Booleans] = []
-        if not scale.kind.is_measured:
-            there = np.unique(column[:own])
-            of_feature += [column == value for value in there[~np.isnan(there)]]
-        for measure in _measures(column, scale):
-            levels = np.unique(measure[:own])
-            levels = levels[~np.isnan(levels)]
-            edges = (levels[1:] + levels[:-1]) / 2.0
-            if len(edges) > THRESHOLDS_MAX:
-                edges = edges[np.linspace(0, len(edges) - 1, THRESHOLDS_MAX).astype(int)]
-            of_feature += [holds for edge in edges for holds in (measure < edge, measure > edge)]
-        if of_feature:
-            found.append(of_feature)
-    if not found:
-        return np.zeros((1, len(values)), np.bool_), np.ones(1)
-    odds = [1.0 / (len(found) * len(of_feature)) for of_feature in found for _ in of_feature]
-    return np.concatenate(found), np.array(odds)
-
-
-def _measures(column: Floats, scale: Scale) -> list[Floats]:
-    """Return the measures that may have passed a threshold; on a circle also the size."""
-    if scale.kind is FeatureKind.TOROIDAL:
-        signed = (column + scale.period / 2.0) % scale.period - scale.period / 2.0
-        return [signed, np.abs(signed)]
-    return [column] if scale.kind.is_measured else []
-
-
-def _firsts(holds: Booleans, commands: Sequence[LateCommand]) -> Integers:
-    """Return the first moment of each command in which each guess holds, or -1."""
-    lengths = [len(command.values) for command in commands]
-    begins = np.cumsum([0, *lengths[:-1]])
-    never = sum(lengths)
-    places = np.arange(never) - np.repeat(begins, lengths)
-    first = np.minimum.reduceat(np.where(holds, places, never), begins, axis=1)
-    return np.where(first == never, -1, first)
+    step = float(np.median(delays[:-1] - delays[1:])) if len(delays) > 1 else ALONE
+    between = (delays[1:] + delays[:-1]) / 2.0
+    edges = np.concatenate([[delays[0] + step / 2.0], between, [delays[-1] - step / 2.0]])
+    return np.diff(_survival(edges, waits=waits), axis=1)

@@ -12,7 +12,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from hitab_core.assistant.lateness import MEDIANS, SPREADS, Lateness
+from hitab_core.assistant.lateness import MODELS, Lateness
 
 
 def people_from(texts: Mapping[str, str]) -> dict[str, Lateness]:
@@ -21,7 +21,7 @@ def people_from(texts: Mapping[str, str]) -> dict[str, Lateness]:
     for who, text in texts.items():
         with suppress(ValueError, TypeError):
             odds = np.array(json.loads(text), np.float64)
-            if odds.shape == (len(MEDIANS), len(SPREADS)) and (odds >= 0.0).all() and odds.any():
+            if odds.shape == (MODELS,) and (odds >= 0.0).all() and odds.any():
                 people[who] = Lateness(odds / odds.sum())
     return people
 

@@ -85,10 +85,10 @@ class PerceptHistory:
         """Whether a command is exact and for a percept before the last one."""
         return given.exact and bool(self._kept) and 0 < given.seen < self._kept[-1].cycle
 
-    @property
-    def is_past(self) -> bool:
-        """Whether there is a percept at which a late command can have been due."""
-        return bool(self._kept) and (self._entered is None or self.time > self._entered.time)
+    def is_past(self, seen: int = 0) -> bool:
+        """Return whether a late command of somebody who saw a cycle can have been due before."""
+        entered = self._entered
+        return bool(self._kept) and (entered is None or self.at(0.0, seen).time > entered.time)
 
     def _read(self, running: RunningAutomaton) -> tuple[float, ...]:
         """Return the present readings; NaN if one cannot be read."""
