@@ -17,6 +17,7 @@ from pupils import Pupil
 
 from hitab_core import START, HitabError
 from hitab_core.assistant import Question
+from hitab_core.assistant.question import QuestionKind
 from hitab_core.example import Example, ExampleKind
 
 LONGEST = 1.5
@@ -198,9 +199,26 @@ class SecondThoughts:
     def _answer(self, question: Question, *, again: bool = False) -> None:
         """Answer by the intention; dismiss what it does not decide, or has decided before."""
         choice = ""
-        if question.situation and not any(map(math.isnan, question.situation)) and not again:
+        if question.kind in (QuestionKind.LATE, QuestionKind.CORRECTION):
+            choice = self._when(question)
+        elif question.situation and not any(map(math.isnan, question.situation)) and not again:
             seen = as_seen(self.plan, question.situation)
             wished = self.judge()(question.state, seen)
             choice = wished if wished in {c.name for c in question.choices} else ""
         self.pupil.answer(question.number, choice)
         self.diary.counts["answers" if choice else "dismissed"] += 1
+        self.diary.counts[f"{question.kind} {'answered' if choice else 'dismissed'}"] += 1
+
+    def _when(self, question: Question) -> str:
+        """Return the first of the moments at which a command was right; "" if it never was."""
+        wish = self.judge()
+        example = self._example(question.examples[0])
+        right = [
+            choice
+            for choice in question.choices
+            if example is not None
+            and choice.situation  # a message has only what would be done
+            and wish(choice.state, as_seen(self.plan, choice.situation)) == example.next_state
+        ]
+        earliest = max(right, key=lambda choice: float(choice.record["ago"]), default=None)
+        return "" if earliest is None else earliest.name

@@ -60,11 +60,16 @@ AIDS = (
     "review",
     "questions",
     "pace",
+    "unshown",
+    "late",
+    "correction",
+    "feature",
 )
 """Aids of the engine: it estimates when commands were due; they outrank default examples; one
 among default examples holds for a side of a circle; trees look one step ahead; people look through
 what was recorded, move and delete commands; they answer the agent's questions; people slow the
-world down where they come too late."""
+world down where they come too late; the last ones are the kinds of questions besides
+contradictions."""
 
 NOTHING = Habits(reaction=(0.0, 0.0), waver=0.0, inattention=0.0, wrong=0.0)
 

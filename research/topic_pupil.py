@@ -193,8 +193,8 @@ class TopicPupil:
                 QuestionKind(q.kind),
                 q.text,
                 q.state,
+                tuple(Choice(c.name, "", {}) for c in q.choices),
                 tuple(q.examples),
-                tuple(Choice(c.name, "", None) for c in q.choices),
                 tuple(read.value for read in q.situation),
             )
             for q in self._agents.training(PUPIL, searched=True).questions

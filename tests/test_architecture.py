@@ -57,7 +57,7 @@ BUDGET = {
     "hitab_cli": 3350,
     "hitab_client": 4650,
     "hitab_commander": 1150,
-    "hitab_core": 10200,
+    "hitab_core": 10500,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_machines": 1250,
@@ -67,7 +67,7 @@ BUDGET = {
     "hitab_studio": 5450,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 34550,
+    "tests": 34750,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

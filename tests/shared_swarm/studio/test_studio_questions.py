@@ -25,7 +25,8 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     away_from_everybody(swarm, 5.0)
     begin(person, "Asks")
     # In GoFast, twice in the same situation, they say different things.
-    for behavior, examples in (("GoFast", 2), ("Stop", 4), ("GoFast", 6), ("GoSlow", 8)):
+    shown = ("GoFast", "Stop", "GoFast", "GoSlow", "GoFast", "GoSlow")
+    for examples, behavior in zip(range(2, 14, 2), shown, strict=True):
         person.click(f"do-{behavior}")
         person.sees("counts", f"{examples} examples")
 
@@ -39,6 +40,7 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     proposed = person.page.wait_for_selector(f'[data-test="question-{number}"] button.strong')
     assert proposed.inner_text().split() == ["GoSlow", "A"]
     person.sees(f"question-{number}", "instead of GoSlow or Stop")
+    person.sees(f"then-{number}-GoSlow", "Then: GoSlow")
     person.page.keyboard.press("a")
     person.waits_until(lambda: not contradicted(), "it was not answered")
     assert all(
@@ -52,7 +54,7 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     person.sees(f"question-{number}", "which holds?")
     person.click(f"dismiss-{number}")
     person.does_not_see(f"question-{number}")
-    person.sees("counts", "8 examples")
+    person.sees("counts", "12 examples")
 
 
 @needs_browser

@@ -11,7 +11,7 @@ from hitab_core.assistant.late_commands import LateCommands
 from hitab_core.assistant.lateness import Lateness
 from hitab_core.assistant.loops import Loops
 from hitab_core.assistant.preview import Previews
-from hitab_core.assistant.question import Question, choice_of
+from hitab_core.assistant.question import ASKED, Question, choice_of
 from hitab_core.assistant.questions import Questions
 from hitab_core.assistant.trial_statistics import TrialStatistics
 from hitab_core.automaton import START, Automaton
@@ -30,10 +30,11 @@ from hitab_core.training.retiming import retiming
 from hitab_core.training.trainer import Journal, Trainer
 from hitab_core.training.undo import Edit
 
-ASSISTANTS = ("reaction", "questions", "loops", "episodes", "preview")
+ASSISTANTS = ("reaction", "questions", "loops", "episodes", "preview", *ASKED)
 """Names of the assistants: they estimate when late commands were due, ask about the examples, find
 loops in the learned automaton, remark on the results of many test episodes, and tell what it would
-do next."""
+do next. The last ones are the kinds of questions that can be left out
+(`hitab_core.assistant.question`)."""
 
 
 class TrainingSession(Trainer):
@@ -68,7 +69,7 @@ class TrainingSession(Trainer):
         """
         super().__init__(context, curriculum, examples, journal, names)
         self.late = LateCommands(self, {} if people is None else people)
-        self.questions = Questions(self)
+        self.questions = Questions(self, self.late, without)
         self._loops = Loops(self)
         self._trial = TrialStatistics(self)
         self.preview = Previews(self)
@@ -79,7 +80,7 @@ class TrainingSession(Trainer):
             self._trial.subscribe,
             self.preview.subscribe,
         )
-        for name, begin in zip(ASSISTANTS, guests, strict=True):
+        for name, begin in zip(ASSISTANTS, guests, strict=False):
             if name not in without:
                 begin()
 
@@ -225,11 +226,11 @@ class TrainingSession(Trainer):
             TrainingError: if the question is not open, or has no such choice.
         """
         question = self.questions.get(number)
-        chosen = choice_of(question, choice)
-        if dismiss or chosen.record is None:
+        if dismiss:
             self._do({"do": "dismiss", "key": list(question.words)})
             return question
-        self.edit({**chosen.record, "proposed": chosen is question.choices[0]})
+        chosen = choice_of(question, choice)
+        self.edit({**chosen.record, "proposed": chosen.name == question.proposed})
         self.questions.answered.append(f"{question.text} {chosen.name}")
         return question
 

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hitab_core.advice.evidence import Evidence
-from hitab_core.numeric.arrays import Floats
+from hitab_core.advice.evidence import Evidence, on_circles
 
 
 class Changed(NamedTuple):
@@ -36,15 +35,20 @@ def changed(before: Evidence, after: Evidence, met: Sequence[Sequence[float]]) -
     shown = [row for evidence in (before, after) for row in evidence.values.tolist()]
     rows = [after.placed(row) for row in (*met, *shown)]
     rows = list({str(row): row for row in rows}.values())  # missing values are NaN
-    if not rows:
-        return []
-    values = np.array(rows, np.float64).reshape(len(rows), len(after.scales))
-    decisions = zip(rows, _decided(before, values), _decided(after, values), strict=True)
+    decisions = zip(rows, decided(before, rows), decided(after, rows), strict=True)
     return [Changed(after, row, was, now) for row, was, now in decisions if was != now]
 
 
-def _decided(evidence: Evidence, values: Floats) -> list[str]:
-    """Return the decision of each row, as in `Changed.was`."""
+def decided(evidence: Evidence, situations: Sequence[Sequence[float]]) -> list[str]:
+    """Return the decision in each situation, as in `Changed.was`.
+
+    Raises:
+        FeatureValueError, VocabularyError, ValueError: see `Evidence.learn`.
+    """
+    if not situations:
+        return []
+    values = np.array(situations, np.float64).reshape(len(situations), len(evidence.scales))
+    values = on_circles(values, evidence.scales)
     tree = evidence.learn()
     labels = [evidence.state] if tree is None else tree.labels
     names = ["stay" if label == evidence.state else label for label in labels]

@@ -51,6 +51,9 @@ NO_EXAMPLE_DISTANCE = 1e6
 GAIN_MIN = 0.1
 """Minimum gain of an answer, as a part of all that can be learned of one kind of situation."""
 
+FARTHER = 2.0
+"""A decision is supported if no example of another one is nearer than so many times its own."""
+
 
 @dataclass(frozen=True)
 class Unshown:
@@ -64,6 +67,8 @@ class Unshown:
         gain: gain of an answer.
         bisects: whether the situation is in the middle of a side of a circle of which only the
             beginning was shown.
+        supported: whether the examples speak for the decision: others are at least `FARTHER` times
+            as far away.
     """
 
     state: str
@@ -72,6 +77,7 @@ class Unshown:
     next_states: tuple[str, ...]
     gain: float
     bisects: bool = False
+    supported: bool = False
 
 
 def unshown(
@@ -129,7 +135,10 @@ def unshown(
         decided = str(tree.predict([situation])[0])
     order = [likely[i] for i in np.argsort(-weights[:, place], kind="stable").tolist()]
     next_states = tuple(dict.fromkeys(label for label in (decided, *order) if label))
-    return Unshown(evidence.state, situation, decided, next_states, most, bisects)
+    speaking = {label: float(weights[i, place]) for i, label in enumerate(likely)}
+    others = max((w for label, w in speaking.items() if label != decided), default=0.0)
+    supported = speaking.get(decided, 0.0) >= FARTHER * others and not bisects
+    return Unshown(evidence.state, situation, decided, next_states, most, bisects, supported)
 
 
 def _taken_for_granted(evidence: Evidence, situations: Floats) -> Booleans:

@@ -58,7 +58,7 @@ def settled(
     scales: Sequence[Scale],
     before: Lateness,
     told: Sequence[float] = (),
-) -> tuple[list[int], Lateness]:
+) -> tuple[list[int], list[Floats], Lateness]:
     """Return the moment at which each command was due, and the lateness of the person.
 
     Args:
@@ -68,8 +68,8 @@ def settled(
         told: delays of other commands that the person has told, s.
 
     Returns:
-        Indices of moments, and after these of the changes of state that a command may correct; and
-        the lateness.
+        Indices of moments, and after these of the changes of state that a command may correct; of
+        each command, how probable each of these is; and the lateness.
     """
     kinds: dict[tuple[str, str], list[int]] = {}
     for i, command in enumerate(commands):
@@ -85,11 +85,19 @@ def settled(
         log_odds += _log_sum(found[kind].log_likelihood)
     odds = np.exp(log_odds - log_odds.max())
     after = Lateness(odds / odds.sum())
-    dues = [0] * len(commands)
+    weights = [np.zeros(0)] * len(commands)
     for kind, members in kinds.items():
-        for i, due in zip(members, found[kind].dues(after), strict=True):
-            dues[i] = due
-    return dues, after
+        for i, of_moments in zip(members, found[kind].weights(after), strict=True):
+            weights[i] = of_moments
+    return list(map(_due, commands, weights)), weights, after
+
+
+def _due(command: LateCommand, weights: Floats) -> int:
+    """Return the most probable moment, or change of state if such a one is more probable."""
+    count = len(command.delays)
+    if weights[count:].sum() > 0.5:
+        return count + int(weights[count:].argmax())
+    return _mode(command.delays, weights[:count])
 
 
 def _log_sum(values: Floats) -> Floats:
@@ -139,26 +147,27 @@ class _Explanations:
         found = np.concatenate([of_moments, np.full((2, 1, MODELS), never)], axis=1)
         return np.asarray(found[self.surprising.astype(np.intp), moments])
 
-    def dues(self, lateness: Lateness) -> list[int]:
-        """Return the most probable of the moments that each command may have been meant for."""
+    def weights(self, lateness: Lateness) -> list[Floats]:
+        """Return how probably each command was meant for each moment, and after these change."""
         likely = self.log_likelihood + np.log(lateness.decided.odds + TINY)
         odds = np.exp(likely - likely.max())
         odds /= odds.sum()
         models = odds.sum(axis=0)
-        dues = []
+        found: list[Floats] = []
         for i, command in enumerate(self.commands):
             likelihood, answered, corrected = self.parts(i)
-            if (odds * corrected / likelihood).sum() > 0.5:
-                dues.append(len(command.delays) + int((command.changes @ models).argmax()))
-                continue
+            change = float((odds * corrected / likelihood).sum())
+            changes = command.changes @ models + TINY
             answers = (odds * answered / likelihood).sum(axis=1)
             known = self.first[:, i] >= 0
-            weights = np.zeros(len(command.delays))
-            np.add.at(weights, self.first[known, i], answers[known])
+            moments = np.zeros(len(command.delays))
+            np.add.at(moments, self.first[known, i], answers[known])
             usual = command.masses[0] @ models + TINY
-            rest = max(0.0, 1.0 - float(weights.sum()))
-            dues.append(_mode(command.delays, weights + rest * usual / usual.sum()))
-        return dues
+            rest = max(0.0, 1.0 - float(moments.sum()))
+            moments += rest * usual / usual.sum()
+            moments *= (1.0 - change) / moments.sum()
+            found.append(np.concatenate([moments, change * changes / max(changes.sum(), TINY)]))
+        return found
 
 
 def _mode(delays: Floats, weights: Floats) -> int:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hitab_core.assistant.causes import settled
+from hitab_core.assistant.doubts import Doubt, doubtful
 from hitab_core.assistant.lateness import LateCommand, Lateness
 from hitab_core.codec import to_dict
 from hitab_core.texts.errors import HitabError
@@ -51,6 +52,7 @@ class LateCommands:
 
     Attributes:
         people: delay of the commands of each demonstrator; kept up to date.
+        doubts: by command, those that may be meant for another moment.
     """
 
     def __init__(self, trainer: Trainer, people: dict[str, Lateness]) -> None:
@@ -61,6 +63,7 @@ class LateCommands:
         self._shown: dict[int, Press] = {}
         self._estimated: dict[int, set[float]] = {}
         self._interrupted = 0.0
+        self.doubts: dict[int, Doubt] = {}
 
     def subscribe(self) -> None:
         """Propose moments for commands from now on."""
@@ -74,6 +77,10 @@ class LateCommands:
 
     def _keep(self, record: Mapping[str, Any]) -> None:
         """Keep the data of a command, and of earlier ones, from its record in the journal."""
+        if record["do"] == "retime_examples":  # the person has said when these were due
+            for command in self._trainer.log.commands_of(record["numbers"]):
+                self._estimated[command] = set()
+                self.doubts.pop(command, None)
         if record["do"] != "command" or "who" not in record:
             return
         first = record["examples"][0]
@@ -115,9 +122,16 @@ class LateCommands:
         late = {number: one for number, one in found.items() if one is not None}
         before = self._before.get(who, Lateness())
         scales = list(map(self._trainer.context.repertoire.domain.scale_of, features))
-        places, self.people[who] = settled([one for one, _ in late.values()], scales, before, told)
+        commands = [one for one, _ in late.values()]
+        places, weights, self.people[who] = settled(commands, scales, before, told)
         meant = {n: among[i] for (n, (_, among)), i in zip(late.items(), places, strict=True)}
         dues = {n: moment for n, moment in meant.items() if history.shows(moment, features)}
+        self.doubts = {}
+        for (n, (one, among)), weight, place in zip(late.items(), weights, places, strict=True):
+            other = doubtful(one, weight, place)
+            if other is not None and n in dues and history.shows(among[other], features):
+                kept = None if n == newest else history.kept_around(n)
+                self.doubts[n] = Doubt(kept[0] if kept else history.time, dues[n], among[other])
         due = dues.pop(newest, due)
         earlier = moved(self._trainer, dues)
         record = {"moments": list(map(to_dict, moments)), "who": who, "pace": seen.pace}

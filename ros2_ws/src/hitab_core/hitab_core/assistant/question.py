@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -18,6 +19,13 @@ class QuestionKind(StrEnum):
 
     CONTRADICTION = "contradiction"
     UNSHOWN = "unshown"
+    LATE = "late"
+    CORRECTION = "correction"
+    FEATURE = "feature"
+
+
+ASKED = tuple(kind.value for kind in QuestionKind if kind is not QuestionKind.CONTRADICTION)
+"""The kinds of questions that can be left out."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +35,23 @@ class Choice:
     Attributes:
         name: text of the answer.
         effect: effect of the answer, in words.
-        record: this step of the training, as in the journal; None if the answer changes
-            nothing and the question is not asked again.
+        record: this step of the training, as in the journal.
+        state, situation: where the command is due by this answer, and the features' values there;
+            empty if all answers are about the situation of the question.
+        changes: the part of the situations met that would be decided otherwise than without an
+            answer.
+        cycles, states: what it would do over the percepts from the situation on: from
+            ``cycles[i]`` on it would be in ``states[i]``.
     """
 
     name: str
     effect: str
-    record: Mapping[str, Any] | None
+    record: Mapping[str, Any]
+    state: str = ""
+    situation: tuple[float, ...] = ()
+    changes: float = 0.0
+    cycles: tuple[int, ...] = ()
+    states: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -45,9 +63,13 @@ class Question:
         kind: kind of the question.
         text: the question.
         state: label of the state whose decision it is about.
+        choices: possible answers, the most probable first.
         examples: numbers of the examples in question.
-        choices: possible answers; the first one is proposed.
         situation: values of the automaton's features, NaN for any; empty for no situation.
+        proposed: name of the answer for which the examples speak; empty if they leave it open.
+        cycle: the world's cycle at which the situation was met; 0 if unknown.
+        matters: the part of the situations met that the two most probable answers decide
+            otherwise; NaN if unknown.
         key: identity of the question, if it is found again.
     """
 
@@ -55,9 +77,12 @@ class Question:
     kind: QuestionKind
     text: str
     state: str
-    examples: tuple[int, ...]
     choices: tuple[Choice, ...]
+    examples: tuple[int, ...] = ()
     situation: tuple[float, ...] = ()
+    proposed: str = ""
+    cycle: int = 0
+    matters: float = math.nan
     key: tuple[Any, ...] = field(default=(), repr=False)
 
     @property
@@ -87,12 +112,15 @@ def choice_of(question: Question, name: str) -> Choice:
     """Return a choice by its name; empty for the proposed one.
 
     Raises:
-        TrainingError: if there is none of this name.
+        TrainingError: if there is none of this name, or none is proposed.
     """
-    if not name:
-        return question.choices[0]
-    for choice in question.choices:
-        if choice.name == name:
-            return choice
     there = [choice.name for choice in question.choices]
+    if not (name or question.proposed):
+        raise TrainingError(
+            f"no answer to question {question.number} is proposed, since the examples do not "
+            f"decide it; choose one of: {', '.join(there)}"
+        )
+    for choice in question.choices:
+        if choice.name == (name or question.proposed):
+            return choice
     raise TrainingError(f'question {question.number} has no choice "{name}" {has(there, name)}')

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 from hitab_core.advice.changed import Changed
 from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.rivals import Rival
 from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.advice.unshown import Unshown
+from hitab_core.assistant.question import Choice
 from hitab_core.example import Example
 from hitab_core.texts.wording import numbered, quantity, some
 
@@ -33,9 +35,34 @@ def commanded(group: Sequence[Example]) -> str:
 def never_shown(found: Unshown, evidence: Evidence) -> str:
     """Return a question about a situation that was met and never shown."""
     where = situation(evidence, found.situation)
-    follows = "it stays" if found.decided == found.state else f"{found.decided} follows"
-    learned = f"; as it is, {follows}" if found.decided else ""
+    learned = f"; as it is, {_follows(found.decided, found.state)}" if found.decided else ""
     return f"What is right in {found.state}{where}? Nothing like it was shown{learned}."
+
+
+def which_feature(found: Rival, evidence: Evidence) -> str:
+    """Return a question about a situation in which two explanations of the examples differ."""
+    where = situation(evidence, found.situation)
+    by, instead = evidence.names[found.feature], some([evidence.names[f] for f in found.instead])
+    return (
+        f"What is right in {found.state}{where}? By {by}, {_follows(found.decided, found.state)}; "
+        f"{instead} would explain your commands as well, and then "
+        f"{_follows(found.otherwise, found.state)}."
+    )
+
+
+def ambiguous(example: Example, choices: Sequence[Choice]) -> str:
+    """Return a question about a command that may be meant for either of two moments."""
+    first, second = (f"{choice.name}, in {choice.state}" for choice in choices)
+    return f"When was {example.next_state} due (example {example.number}): {first}, or {second}?"
+
+
+def due(state: str, ago: float) -> str:
+    """Return the effect of an answer that says when a command was due."""
+    return f"due {ago:.2f} s before its command, in {state}"
+
+
+def _follows(decided: str, state: str) -> str:
+    return "it stays" if decided == state else f"{decided} follows"
 
 
 def situation(evidence: Evidence, values: Sequence[float]) -> str:

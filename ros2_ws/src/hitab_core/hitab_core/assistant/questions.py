@@ -1,74 +1,42 @@
-"""Questions of an agent about the examples of its training, and the effects of answers.
+"""Questions of an agent about the examples of its training, asked by their consequences.
 
-There are two kinds of questions: two commands in the same situation contradict each other; or a
-situation was met, and nothing like it was shown. Each is found again from the present examples
-(`hitab_core.advice`), so an answer that changes them ends its question, and undoing the answer
-asks it again.
+What is open is found from the present examples (`hitab_core.assistant.findings`), so an answer
+that changes them ends its question, and undoing the answer asks it again. The answers are played
+on over the situations that were met (`hitab_core.assistant.consequences`), and a question whose
+most probable answers differ in none of them is not asked. Contradictions are asked about at once;
+of the others, those of which most can be learned (`hitab_core.advice.unshown`). By the share of
+the situations met that answers decide otherwise, seldom ones, which decide games, come last.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
-from hitab_core.advice.changed import Changed, changed
-from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.unshown import Unshown, unshown
-from hitab_core.assistant import question_texts
-from hitab_core.assistant.question import Choice, Question, QuestionKind, added
+from hitab_core.assistant.consequences import weighed
+from hitab_core.assistant.findings import ambiguous, contradicting, never_shown
+from hitab_core.assistant.late_commands import LateCommands
+from hitab_core.assistant.material import Material
+from hitab_core.assistant.question import Question, QuestionKind
 from hitab_core.assistant.situation_sample import SituationSample
-from hitab_core.automaton import FLAGS, OWN_FEATURES, START
-from hitab_core.example import Example, ExampleKind, contradictions
+from hitab_core.automaton import FLAGS, OWN_FEATURES
+from hitab_core.example import Example
 from hitab_core.learning import TREE
 from hitab_core.learning.classifier_spec import ClassifierSpec
-from hitab_core.numeric.arrays import Booleans
 from hitab_core.texts.errors import TrainingError
 from hitab_core.texts.vocabulary import has
-from hitab_core.texts.wording import numbered
 from hitab_core.training.percepts import PerceptRecord
 from hitab_core.training.trainer import Trainer
-from hitab_core.training.undo import Edit
 
 TIMERS = tuple(term for term in OWN_FEATURES if term.name not in FLAGS)
 """Timers are excluded: their reset is not an event in the world."""
 
-CORRECTED = 2
-"""Number of other commands that a correction outweighs evenly."""
+ASKED_MAX = 3
+"""The most questions, besides contradictions, that are asked at a time: people answer so many."""
 
-WITH_EFFECTS_MAX = 3
-"""Maximum number of questions for which the effects of answers are computed in advance."""
-
-
-class _Material:
-    """Data from which questions are found.
-
-    Attributes:
-        examples: examples of the training.
-        classifier: classifier that learns from them.
-        labels: labels of the states, without Start.
-        goals: labels of possible answers: the chosen states, or else those in the examples.
-        met: a sample of the situations met: feature values, each with the state of that time.
-    """
-
-    def __init__(self, trainer: Trainer, situations: SituationSample) -> None:
-        chosen, domain = trainer.curriculum, trainer.context.repertoire.domain
-        features, in_moment = chosen.features, trainer.history.in_moment
-        self.examples = trainer.examples
-        self.classifier = chosen.classifier
-        self.labels = tuple(trainer.states)
-        self.goals = tuple(map(str, chosen.states)) or self.labels
-        self.met = [(m.state, in_moment(m, features)) for m in situations]
-        units = tuple(domain.feature(term.name).unit for term in features)
-        scales, names = tuple(map(domain.scale_of, features)), tuple(map(str, features))
-        self._about = scales, names, units, chosen.classifier
-
-    def evidence(self, state: str, examples: Sequence[Example] | None = None) -> Evidence:
-        """Return the evidence from which the transition function of a state is learned."""
-        return Evidence.of(state, self.examples if examples is None else examples, *self._about)
+WEIGHED_MAX = 6
+"""The most questions, besides open ones, of which the consequences are computed."""
 
 
 class Questions:
@@ -76,14 +44,18 @@ class Questions:
 
     Args:
         trainer: the trainer.
+        late: knows which late commands may be meant for another moment.
+        without: kinds of questions that are not asked.
 
     Attributes:
         answered: the answered questions, in words, oldest first.
     """
 
-    def __init__(self, trainer: Trainer) -> None:
+    def __init__(
+        self, trainer: Trainer, late: LateCommands, without: Collection[str] = ()
+    ) -> None:
         self.answered: list[str] = []
-        self._trainer = trainer
+        self._trainer, self._late, self._without = trainer, late, without
         self._log = trainer.log
         self._asks = False
         self._situations = SituationSample()
@@ -95,11 +67,11 @@ class Questions:
             if term not in TIMERS and not domain.scale_of(term).kind.is_measured
         ]
         self._numbers: dict[tuple[Any, ...], int] = {}
+        self._made: dict[int, Question] = {}  # without the consequences of their answers
         self._dismissed: set[tuple[str, ...]] = set()
         self._about: tuple[Example, ...] | None = None
         self._contradicting: list[Question] = []
-        self._known: list[Question] = []
-        self._with_effects: dict[int, Question] = {}  # with the effects of their answers
+        self._others: list[Question] = []  # those that matter most first
         self._searched: Hashable = None
 
     def subscribe(self) -> None:
@@ -132,22 +104,22 @@ class Questions:
     def known(self) -> list[Question]:
         """Return the open questions, without a search that takes long.
 
-        These are all contradictions, and the most useful one of the others.
+        These are all contradictions, and `ASKED_MAX` of the others, those that matter most first.
         """
         self._look_at_examples()
-        return [self._with_effects.get(question.number, question) for question in self._asked()]
-
-    def _asked(self) -> list[Question]:
-        asked = [question for question in self._known if question.words not in self._dismissed]
-        others = [q for q in asked if q.kind is not QuestionKind.CONTRADICTION]
-        return [q for q in asked if q not in others[1:]]
+        others = [q for q in self._others if q.words not in self._dismissed]
+        asked = [q for q in self._contradicting if q.words not in self._dismissed]
+        return [*asked, *others[:ASKED_MAX]]
 
     def _look_at_examples(self) -> None:
-        """Find the contradictions, if the examples have changed."""
-        log = self._log
-        if self._asks and self._about is not log.examples:
-            self._about, self._searched, self._with_effects = log.examples, None, {}
-            self._known = self._contradicting = self._contradictions(log.contradictory())
+        """Find the contradictions, if the examples have changed; what does not depend stays."""
+        log, before = self._log, self._about or ()
+        if self._asks and before is not log.examples:
+            self._about, self._searched = log.examples, None
+            self._others = [
+                q for q in self._others if q.situation and _same(q.state, before, log.examples)
+            ]
+            self._contradicting = contradicting(log.contradictory(), self._question)
 
     def find(self) -> list[Question]:
         """Return the open questions after a search, which can take a tenth of a second.
@@ -171,40 +143,48 @@ class Questions:
         if not self._asks:
             return
         self._look_at_examples()
-        examples, news = self._about, self._situations.news
-        if self._searched != news:
-            given = _Material(self._trainer, self._situations)
-            found: list[tuple[float, Question]] = []
-            for ranked in self._found(given):
-                if ranked is not None:
-                    found.append(ranked)
-                yield
-                if self._about is not examples:
-                    return
-            found.sort(key=lambda ranked: -ranked[0])
-            # Open questions stay: a person may be reading one, or about to answer it.
-            asked = [q for q in self._asked() if q not in self._contradicting]
-            others = [question for _, question in found if question not in asked]
-            self._known = [*self._contradicting, *asked, *others]
-            self._searched = news
-        new = [q for q in self._asked()[:WITH_EFFECTS_MAX] if q.number not in self._with_effects]
-        if new:
-            given = _Material(self._trainer, self._situations)
-            if ClassifierSpec.parse(given.classifier).name != TREE:
+        examples = self._about
+        for _ in self._search():
+            yield
+            if self._log.examples is not examples:
                 return
-            evidence = {state: given.evidence(state) for state in (START, *given.labels)}
-        for question in new:
-            choices = []
-            for choice in question.choices:
-                decisions: list[Changed] = []
-                for changes in self._changes(choice, question, given, evidence):
-                    decisions += changes
+
+    def _search(self) -> Iterator[None]:
+        news = self._situations.news
+        if self._searched == news:
+            return
+        given = Material(self._trainer, self._situations)
+        # Open questions stay, if only more was met: a person may be about to answer one.
+        stays = self._searched is not None
+        asked = [q for q in self._others if stays and q.words not in self._dismissed]
+        asked = asked[:ASKED_MAX]
+        found: list[tuple[float, Question]] = []
+        for ranked in never_shown(given, self._question):
+            found += [] if ranked is None else [ranked]
+            yield
+        found.sort(key=lambda ranked: -ranked[0])
+        # A person remembers the last commands best.
+        late = [*ambiguous(given, self._late.doubts, self._question)][-ASKED_MAX:]
+        known = {q.words for q in asked} | self._dismissed
+        new = [q for q in (*late, *(q for _, q in found)) if q.words not in known]
+        new = [q for q in new if q.kind not in self._without][:WEIGHED_MAX]
+        if ClassifierSpec.parse(given.classifier).name == TREE:
+            clashes = self._contradicting[:ASKED_MAX]
+            consequences: dict[int, Question] = {}
+            for question in (*clashes, *asked, *new):
+                for result in weighed(self._made[question.number], given, self._trainer):
+                    if result is not None:
+                        consequences[question.number] = result
                     yield
-                    if self._log.examples is not examples:
-                        return
-                effect = question_texts.effect(choice.effect, decisions)
-                choices.append(replace(choice, effect=effect))
-            self._with_effects[question.number] = replace(question, choices=tuple(choices))
+            clashes, asked, new = (
+                [consequences[q.number] for q in those] for those in (clashes, asked, new)
+            )
+            gains = {question.number: gain for gain, question in found}
+            new.sort(key=lambda q: -gains.get(q.number, q.matters))
+            self._contradicting[:ASKED_MAX] = clashes
+        # Without a tree it is not known what matters.
+        self._others = [q for q in (*asked, *new) if not q.matters <= 0.0]
+        self._searched = news
 
     def get(self, number: int) -> Question:
         """Return an open question.
@@ -225,110 +205,14 @@ class Questions:
             )
         raise TrainingError(f"no question {number} {has(there)}")
 
-    def _question(
-        self,
-        kind: QuestionKind,
-        about: tuple[Any, ...],
-        text: str,
-        state: str,
-        choices: tuple[Choice, ...],
-        examples: tuple[int, ...] = (),
-        situation: tuple[float, ...] = (),
-    ) -> Question:
+    def _question(self, kind: QuestionKind, about: tuple[Any, ...], **fields: Any) -> Question:
         """Return a question, with its number if it came up before about the same."""
         key = (kind, *about)
         number = self._numbers.setdefault(key, len(self._numbers) + 1)
-        return Question(number, kind, text, state, examples, choices, situation, key)
-
-    def _changes(
-        self,
-        choice: Choice,
-        question: Question,
-        given: _Material,
-        evidence: Mapping[str, Evidence],
-    ) -> Iterator[list[Changed]]:
-        """Yield the decisions in met situations that an answer changes, state by state."""
-        edit = self._log.prepared(choice.record or {"do": ""}) or Edit()
-        examples = self._log.after(edit)
-        states = (question.state, *(e.state for e in (*edit.gone, *edit.came)))
-        for state in dict.fromkeys(states):
-            met = [values for there, values in given.met if there == state]
-            asked = [question.situation] if state == question.state else []
-            yield changed(evidence[state], given.evidence(state, examples), [*asked, *met])
-
-    # -- finding ----------------------------------------------------------------------------
-
-    def _found(self, given: _Material) -> Iterator[tuple[float, Question] | None]:
-        """Yield questions that take long to find, with the gain of an answer; None in between."""
-        for state in (START, *given.labels):
-            if state in FLAGS:
-                continue
-            evidence = given.evidence(state)
-            found = unshown(evidence, *_about(state, given))
-            if found is not None:
-                yield found.gain, self._of_unshown(found, evidence)
-            yield None
-
-    def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
-        recorded: dict[int, list[int]] = {}
-        for e in examples:
-            recorded.setdefault(e.command or -e.number, []).append(e.number)
-        found = []
-        for group in contradictions(examples):
-            choices = []
-            for label in _weighed(group):
-                wrong = {e.command or -e.number for e in group if e.next_state != label}
-                gone = sorted(number for command in wrong for number in recorded[command])
-                effect = f"deletes {numbered('example', gone)}"
-                choices.append(Choice(label, effect, {"do": "delete_examples", "numbers": gone}))
-            numbers = tuple(example.number for example in group)
-            text, state, place = question_texts.commanded(group), group[0].state, group[0].features
-            answers = tuple(choices), numbers, place
-            kind = QuestionKind.CONTRADICTION
-            found.append(self._question(kind, (numbers,), text, state, *answers))
-        return sorted(found, key=lambda question: -max(question.examples))
-
-    def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
-        state, place = found.state, found.situation
-        text = question_texts.never_shown(found, evidence)
-        choices = _commands(state, place, found.next_states, bisects=found.bisects)
-        about = (state, place)
-        return self._question(QuestionKind.UNSHOWN, about, text, state, choices, situation=place)
+        self._made[number] = Question(number, kind, **fields, key=key)
+        return self._made[number]
 
 
-def _about(
-    state: str, given: _Material
-) -> tuple[list[tuple[float, ...]], tuple[str, ...], Booleans]:
-    """Return the situations met in a state, its possible answers, and the assumed entries."""
-    met = [values for there, values in given.met if there == state]
-    met += [e.features for e in given.examples if e.state != state == e.next_state]
-    own = [e for e in given.examples if e.state == state and e.is_learned]
-    # A default example without an ordinary one answers a question.
-    commanded = {e.command for e in given.examples if not e.is_default}
-    assumed = [e.is_default and e.command in commanded for e in own]
-    return met, given.goals, np.array(assumed, np.bool_)
-
-
-def _commands(
-    state: str, situation: Sequence[float], labels: Sequence[str], *, bisects: bool = False
-) -> tuple[Choice, ...]:
-    """Return the answers to a question about a situation, one for each different label."""
-    choices = []
-    for label in dict.fromkeys(labels):
-        if label != START:
-            record = added(state, situation, label, bisects=bisects)
-            choices.append(Choice(label, question_texts.answered(state, label), record))
-    return tuple(choices)
-
-
-def _weighed(group: Sequence[Example]) -> list[str]:
-    """Return the next states of examples in the same situation, by weight, the heaviest first.
-
-    A correction counts for `CORRECTED` others, since the person has seen the effect of these. Of
-    next states with the same weight, the one commanded last comes first.
-    """
-    weights: dict[str, int] = {}
-    for example in reversed(group):
-        weight = CORRECTED if example.kind is ExampleKind.CORRECTION else 1
-        weights[example.next_state] = weights.get(example.next_state, 0) + weight
-    return sorted(weights, key=lambda label: -weights[label])
+def _same(state: str, before: Sequence[Example], after: Sequence[Example]) -> bool:
+    """Return whether the examples of a state are the same."""
+    return [e for e in before if e.state == state] == [e for e in after if e.state == state]

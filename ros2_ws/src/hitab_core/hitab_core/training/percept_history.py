@@ -242,6 +242,15 @@ class PerceptHistory:
         """Return the moments from a time on, s."""
         return [moment for moment in self._kept if moment.time >= time]
 
+    def following(self, cycle: int, seconds: float) -> Sequence[PerceptRecord]:
+        """Return the moments from a cycle on, for some time; empty if that is no longer kept."""
+        for moments in (self._kept, *(window for _, window in self._windows.values())):
+            place = next((i for i, moment in enumerate(moments) if moment.cycle == cycle), None)
+            if place is not None:
+                until = moments[place].time + seconds
+                return [moment for moment in moments[place:] if moment.time <= until]
+        return ()
+
     def _since_entered(self) -> Sequence[PerceptRecord]:
         """Return the moments at which a command can be due, after that of the previous command."""
         entered = self._entered

@@ -15,6 +15,9 @@ WHEN_UNSURE = {
 TITLES = {
     Question.CONTRADICTION: "Two commands disagree",
     Question.UNSHOWN: "Never shown",
+    Question.LATE: "When was it due?",
+    Question.CORRECTION: "Which state was wrong?",
+    Question.FEATURE: "Which feature is meant?",
 }
 
 

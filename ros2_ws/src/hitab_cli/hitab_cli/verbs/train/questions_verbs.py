@@ -15,6 +15,9 @@ from hitab_client.terminal.cli_options import AgentName, JsonPath, SwarmName
 from hitab_client.terminal.cli_remedies import called, with_commands
 from hitab_core.operations import AnswerQuestion
 
+SHOWN_MAX = 5
+"""The most states that are shown of what comes of an answer."""
+
 
 def questions(
     agent: AgentName,
@@ -26,10 +29,12 @@ def questions(
 ) -> None:
     """Show an agent's questions about its examples, or answer one.
 
-    An agent asks when commands contradict each other, when you corrected a decision that an
-    example caused, when a situation has too few examples, and when several explanations fit the
-    examples. `hitab undo` reverts an answer. Above the questions are signs that the behavior does
-    not work: cycles of states, and events that did not occur in fifty episodes of a test.
+    An agent asks when commands contradict each other, when nothing like a situation was shown,
+    when a late command may be meant for either of two moments, and when another feature explains
+    the examples as well. Below each answer is what the agent would do next, and the part of the
+    situations met that it would decide otherwise. `hitab undo` reverts an answer. Above the
+    questions are signs that the behavior does not work: cycles of states, and events that did not
+    occur in fifty episodes of a test.
 
     Args:
         answer: Answer this question, as proposed or with --choice.
@@ -54,13 +59,15 @@ def questions(
     lines += [] if found.questions else [f"{agent} has no question"]
     for question in found.questions:
         lines.append(f"{question.number}. {question.text}")
-        for index, offered in enumerate(question.choices):
-            proposed = "" if index else " (proposed)"
+        for offered in question.choices:
+            proposed = " (proposed)" if offered.name == question.proposed else ""
             lines.append(f"   {offered.name}: {offered.effect}{proposed}")
+            if then := " -> ".join(offered.states[:SHOWN_MAX]):
+                lines.append(f"      {then}; {offered.changes:.0%} of what was met")
     if found.questions:
         lines.append(
-            f"`{called()} questions {agent} --answer {found.questions[0].number}` answers as "
-            "proposed; add --choice CHOICE to answer otherwise."
+            f"`{called()} questions {agent} --answer {found.questions[0].number} --choice CHOICE` "
+            "answers; without --choice, as proposed."
         )
     records = [_record(question) for question in found.questions]
     data = {"questions": records, "answered": list(found.answered)}
@@ -70,8 +77,9 @@ def questions(
 
 def _record(question: Any) -> dict[str, Any]:
     return {
-        **plain(question, "number kind text state examples"),
+        **plain(question, "number kind text state examples cycle"),
         "choices": {choice.name: choice.effect for choice in question.choices},
-        "proposed": question.choices[0].name,
+        "changes": {choice.name: choice.changes for choice in question.choices},
+        "proposed": question.proposed,
         "situation": {r.feature: r.value for r in question.situation if not math.isnan(r.value)},
     }

@@ -124,12 +124,19 @@ redo = operates(Redo, "hitab redo keeper_1")(say_done)
 
 
 @operates(SaveBehavior)
-def save(swarm_up: Connection, agent: str, saving: SaveBehavior) -> None:
+def save(
+    swarm_up: Connection,
+    agent: str,
+    saving: SaveBehavior,
+    yes: Annotated[bool, typer.Option("--yes", "-y")] = False,
+) -> None:
     """Trim the learned behavior and add it to the agent's library.
 
-    The behavior can then be commanded, as a state of a higher behavior.
+    The behavior can then be commanded, as a state of a higher behavior. On a terminal, the agent's
+    open questions are shown before, and saving needs a confirmation.
 
     Args:
+        yes: Save without asking, whatever is open.
         automaton: A new name. Default: the name given to `hitab train`.
         bindings: Replace a target or parameter. Repeatable.
 
@@ -137,6 +144,13 @@ def save(swarm_up: Connection, agent: str, saving: SaveBehavior) -> None:
       hitab save keeper_1
       hitab save keeper_1 --name Approach --bind ball=A
     """
+    asks = not yes and _is_terminal() and swarm_up.agents.await_agent(agent).training.automaton
+    if asks and (asked := swarm_up.agents.training(agent, searched=True).questions):
+        for question in asked:
+            console.note(f"{question.number}. {question.text}")
+        console.note(f"`{called()} questions {agent}` shows the answers.")
+        these = quantity(len(asked), "question")
+        typer.confirm(f"Save with {these} open?", default=True, abort=True, err=True)
     answer = swarm_up.agents.do(agent, saving)
     console.say_answer(answer, f"{answer.message}: {answer.path}")
     targets = swarm_up.agents.vocabulary(agent).targets if saving.bindings else []
