@@ -134,8 +134,11 @@ class CommanderLink:
             changed |= news
             if complete is not None:
                 self._perceive_round(complete)
-            elif not self._lockstep.active:
-                restart |= report.agent in body.members and self._begins_episode(report)
+            elif not self._lockstep.active and report.agent in body.members:
+                restart |= self._begins_episode(report)
+                if report.back:
+                    self._agent.go_back(report.cycle)
+                    changed = True
         if newest > body.number:
             body.outbid(newest)
         if self._lockstep.active:
@@ -194,6 +197,7 @@ class CommanderLink:
         percept.stamp = time_of(present.seconds)
         percept.seed, percept.episode = present.seed, present.episode
         percept.look, percept.restart, percept.lockstep = present.look, present.restart, True
+        percept.back = present.back
         self.seconds = present.seconds
         self._episode = present.seed, present.episode
         with self._exchange.at_once():
@@ -209,7 +213,8 @@ class CommanderLink:
         """Decide, if a decision is due, and give the order of the round."""
         if self._lockstep.is_due(present):
             self._node.answer(self._percept)
-        self._percept.restart = self._percept.look = self._percept.lockstep = False
+        percept = self._percept
+        percept.restart = percept.look = percept.lockstep = percept.back = False
         order = replace(self.body.order, round=present.number)
         self._publish(order)
         self._node.remember()

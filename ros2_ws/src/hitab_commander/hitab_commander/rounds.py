@@ -32,6 +32,7 @@ class Round:
         seed, episode: seed of the run, and number of the episode.
         look: whether no agent acts in this round.
         restart: whether an episode begins.
+        back: whether the world went back to the cycle.
     """
 
     number: int
@@ -41,6 +42,7 @@ class Round:
     episode: int
     look: bool
     restart: bool
+    back: bool
 
 
 class Lockstep:
@@ -82,6 +84,7 @@ class Lockstep:
             first.episode,
             all(report.look for report in reports),
             any(report.restart for report in reports),
+            any(report.back for report in reports),
         )
 
     def expect(self) -> None:
@@ -95,7 +98,7 @@ class Lockstep:
         subordinates' time from the beginning of the episode.
         """
         if present.look:
-            self._news |= present.restart
+            self._news |= present.restart or present.back
             return False
         if present.restart:
             self._began_at = present.seconds

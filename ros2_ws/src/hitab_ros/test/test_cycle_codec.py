@@ -31,13 +31,20 @@ percepts = st.fixed_dictionaries(
             st.integers(0, 999_999_999),
         ),
         **dict.fromkeys(("sequence", "cycle", "episode", "seed"), numbers),
-        **dict.fromkeys(("look", "lockstep", "restart"), st.booleans()),
+        **dict.fromkeys(("look", "lockstep", "restart", "back"), st.booleans()),
         "values": floats,
         "heard": st.lists(texts, max_size=4),
     }
 )
 actions = st.fixed_dictionaries(
-    {"agent": texts, "sequence": numbers, "values": floats, "say": texts}
+    {
+        "agent": texts,
+        "sequence": numbers,
+        "values": floats,
+        "say": texts,
+        "taught": st.booleans(),
+        "hold": texts,
+    }
 )
 
 

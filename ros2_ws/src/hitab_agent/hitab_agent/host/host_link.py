@@ -30,7 +30,18 @@ SEQUENCES_OF_ONE_WORLD = 1000
 """A world numbers its cycles in turn from the time at which it began, ns: percepts with a number
 that is lower by more are those of another world."""
 
-CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
+COMMON_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed")
+CYCLE_FIELDS = (*COMMON_FIELDS, "look", "lockstep", "restart", "back")
+    "stamp",
+    "sequence",
+    "cycle",
+    "episode",
+    "seed",
+    "look",
+    "lockstep",
+    "restart",
+    "back",
+)
 """Fields that all percepts of a cycle share."""
 
 
@@ -167,7 +178,8 @@ class HostLink:
         failures: Failures = {}
         with self._exchange.held():
             done, counts = array("d"), array("I")
-            speakers, said = array("I"), []
+            speakers, taught, holders = array("I"), array("I"), array("I")
+            said, holds = list[str](), list[str]()
             for index, node in zip(batch.agents, perceiving, strict=True):
                 acting.append(node)
                 try:
@@ -180,6 +192,11 @@ class HostLink:
                 if say:
                     speakers.append(index)
                     said.append(say)
+                if node.taught:
+                    taught.append(index)
+                if hold := node.hold:
+                    holders.append(index)
+                    holds.append(hold)
             self._report("acting", acting, failures)
         answers.roster, answers.sequence = batch.roster, batch.sequence
         answers.agents = batch.agents
@@ -187,6 +204,9 @@ class HostLink:
         answers.values = done
         answers.speakers = speakers
         answers.said = said
+        answers.taught = taught
+        answers.holders = holders
+        answers.holds = holds
         send(answers)
 
     def _report(self, key: str, acting: Sequence[AgentBase], failures: Failures) -> None:

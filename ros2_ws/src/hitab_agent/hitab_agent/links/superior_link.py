@@ -70,7 +70,7 @@ class SuperiorLink:
             changed = True
         if percept.look:
             # A person who arranges a paused world expects the commander to perceive the change.
-            self._send(subordinate.report())
+            self._send(subordinate.report(back=percept.back))
         elif changed or subordinate.is_asked:
             self.tell()
 
@@ -81,7 +81,9 @@ class SuperiorLink:
         if subordinate.refusal and subordinate.settle():
             self._ordered()
         self._send(
-            subordinate.round_begins(percept.sequence, look=percept.look, restart=percept.restart)
+            subordinate.round_begins(
+                percept.sequence, look=percept.look, restart=percept.restart, back=percept.back
+            )
         )
 
     def _keep_time(self, percept: msg.Percept, seconds: float) -> bool:

@@ -41,9 +41,11 @@ class WorldLink:
         self._gate.begin(percept.sequence, awaited, lambda: self._act(percept), look=percept.look)
 
     def _act(self, percept: msg.Percept) -> None:
-        values, say = self._node.answer(percept)
-        name = self._node.agent_name
-        self._actions.publish(action_bytes(name, percept.sequence, values, say))
+        node = self._node
+        values, say = node.answer(percept)
+        self._actions.publish(
+            action_bytes(node.agent_name, percept.sequence, values, say, node.taught, node.hold)
+        )
 
     def close(self) -> None:
         """Do nothing: the world notices that an agent is gone."""

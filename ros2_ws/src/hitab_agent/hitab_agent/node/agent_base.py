@@ -60,6 +60,16 @@ class AgentBase(GuardedNode):
         """Act on the last percept, unless it is for inspection only."""
         raise NotImplementedError
 
+    @property
+    def taught(self) -> bool:
+        """Whether a demonstrator is in control, so that the world slows down."""
+        raise NotImplementedError
+
+    @property
+    def hold(self) -> str:
+        """Why the world should hold before the agent acts; empty if it need not."""
+        raise NotImplementedError
+
     def awaited_orders(self) -> Collection[str]:
         """Return the commanders whose orders a lockstep round waits for."""
         raise NotImplementedError

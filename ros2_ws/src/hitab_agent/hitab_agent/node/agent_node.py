@@ -243,6 +243,8 @@ class AgentNode(AgentBase):
         self._sensed = False
         self._seconds = seconds
         try:
+            if percept.back:
+                agent.go_back(percept.cycle)
             agent.sense(
                 percept.values,
                 percept.heard,
@@ -292,6 +294,16 @@ class AgentNode(AgentBase):
         if self.superior is not None and not percept.lockstep:
             self.superior.perceived(percept, self._seconds, changed=changed or percept.restart)
         return action
+
+    @property
+    def taught(self) -> bool:
+        """Whether a demonstrator is in control, so that the world slows down."""
+        return self.agent.mode is Mode.TRAINING
+
+    @property
+    def hold(self) -> str:
+        """Why the world should hold before the agent acts; empty if it need not."""
+        return self.agent.held
 
     # -- stop of its robot --------------------------------------------------------------------
 

@@ -144,7 +144,8 @@ class ActingAgent(AgentLibrary):
         if self.session is not None and (session := self._trained) is not None:
             session.go_back(cycle)
         self.monitor.forget()
-        self.breakpoints.forget()
+        if cycle != self.cycle:  # else the breakpoint that it holds at would hold it for ever
+            self.breakpoints.forget()
         self.cycle, self._shown_again = cycle, True
         self.course.back(cycle)
 
@@ -156,7 +157,10 @@ class ActingAgent(AgentLibrary):
         """
         trained = None if self.mode is Mode.PERFORMING else self._trained
         active = self._performed if trained is None else trained
-        if active is None or (self.breakpoints.set and self._holds()):
+        if active is None:
+            self.breakpoints.forget()
+            return
+        if self.breakpoints.set and self._holds():
             return
         if self.mode is Mode.TRAINING or not self.monitor.judges:
             active.tick()

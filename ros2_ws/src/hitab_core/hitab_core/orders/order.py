@@ -77,6 +77,7 @@ class Report:
         round: number of the last percept, in lockstep; 0 in real time.
         look: whether that percept was for observation only.
         restart: whether that percept began an episode.
+        back: whether the world went back to that percept's cycle.
     """
 
     agent: str
@@ -96,3 +97,4 @@ class Report:
     round: int = 0
     look: bool = False
     restart: bool = False
+    back: bool = False

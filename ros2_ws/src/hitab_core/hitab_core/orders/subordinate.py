@@ -150,16 +150,19 @@ class Subordinate:
         self._reported_at = seconds
         return self._report(doing)
 
-    def round_begins(self, number: int, *, look: bool, restart: bool) -> Report:
+    def round_begins(
+        self, number: int, *, look: bool, restart: bool, back: bool = False
+    ) -> Report:
         """Return the report that is due in a round of lockstep.
 
         Args:
             number: number of the round and of its percept.
             look: whether the percept is for observation only.
             restart: whether the percept begins an episode.
+            back: whether the world went back to the percept's cycle.
         """
         self.round = number
-        return self._report(self._doing(), look=look, restart=restart)
+        return self._report(self._doing(), look=look, restart=restart, back=back)
 
     def rounds_end(self) -> bool:
         """Switch to real time; return whether it was in lockstep."""
@@ -179,9 +182,9 @@ class Subordinate:
         self._beaten = False
         return report
 
-    def report(self) -> Report:
-        """Return a report of the agent's activity now."""
-        return self._report(self._doing())
+    def report(self, *, back: bool = False) -> Report:
+        """Return a report of the agent's activity now; ``back`` as in `round_begins`."""
+        return self._report(self._doing(), back=back)
 
     def _doing(self) -> tuple[Any, ...]:
         """Return the report's fields without values and times, which change all the time."""
@@ -197,7 +200,12 @@ class Subordinate:
         return (*doing, self.episode, self.seed, self.round)
 
     def _report(
-        self, doing: tuple[Any, ...], *, look: bool = False, restart: bool = False
+        self,
+        doing: tuple[Any, ...],
+        *,
+        look: bool = False,
+        restart: bool = False,
+        back: bool = False,
     ) -> Report:
         self._reported = doing
         self._reported_cycle = self.agent.cycle
@@ -222,6 +230,7 @@ class Subordinate:
             number,
             look,
             restart,
+            back,
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:

@@ -21,9 +21,10 @@ from hitab_ros.messages.checks import BadMessage
 NATIVE = b"\0\1\0\0" if sys.byteorder == "little" else b"\0\0\0\0"
 """Header of the plain encoding in this machine's byte order; `rclpy` reads any other."""
 
-_PERCEPT = struct.Struct("=4siI4Q3?xI")  # up to the number of values
+_PERCEPT = struct.Struct("=4siI4Q4?I")  # up to the number of values
 _ACTION = struct.Struct("=QI")
 _COUNT = struct.Struct("=I")
+_FLAG = struct.Struct("=?")
 
 
 def percept_bytes(
@@ -36,12 +37,13 @@ def percept_bytes(
     look: bool,
     lockstep: bool,
     restart: bool,
+    back: bool,
     values: Sequence[float],
     heard: Sequence[str],
 ) -> bytes:
     """Return a `msg.Percept` with these fields as bytes."""
     now, run = (stamp.sec, stamp.nanosec), (sequence, cycle, episode, seed)
-    begin = _PERCEPT.pack(NATIVE, *now, *run, look, lockstep, restart, len(values))
+    begin = _PERCEPT.pack(NATIVE, *now, *run, look, lockstep, restart, back, len(values))
     data = begin + array("d", values).tobytes() + _COUNT.pack(len(heard))
     for text in heard:
         data += _padding(data, 4) + _text(text)
@@ -58,7 +60,7 @@ def read_percept(data: bytes) -> Any:
         return deserialize_message(data, msg.Percept)
     try:
         _, sec, nanosec, *fields, count = _PERCEPT.unpack_from(data)
-        sequence, cycle, episode, seed, look, lockstep, restart = fields
+        sequence, cycle, episode, seed, look, lockstep, restart, back = fields
         values, end = _values(data, _PERCEPT.size, count)
         heard = []
         (texts,) = _COUNT.unpack_from(data, end)
@@ -77,18 +79,22 @@ def read_percept(data: bytes) -> Any:
         look=look,
         lockstep=lockstep,
         restart=restart,
+        back=back,
         values=values,
         heard=heard,
     )
 
 
-def action_bytes(agent: str, sequence: int, values: Sequence[float], say: str) -> bytes:
+def action_bytes(
+    agent: str, sequence: int, values: Sequence[float], say: str, taught: bool, hold: str
+) -> bytes:
     """Return a `msg.Action` with these fields as bytes."""
     data = NATIVE + _text(agent)
     data += _padding(data, 8) + _ACTION.pack(sequence, len(values))
     if values:
         data += _padding(data, 8) + array("d", values).tobytes()
-    return data + _text(say)
+    data += _text(say) + _FLAG.pack(taught)
+    return data + _padding(data, 4) + _text(hold)
 
 
 def read_action(data: bytes) -> Any:
@@ -105,10 +111,14 @@ def read_action(data: bytes) -> Any:
         sequence, count = _ACTION.unpack_from(data, end)
         end += _ACTION.size
         values, end = _values(data, end + 4 if count else end, count)
-        say, _ = _read_text(data, end)
+        say, end = _read_text(data, end)
+        (taught,) = _FLAG.unpack_from(data, end)
+        hold, _ = _read_text(data, end + 1)
     except (struct.error, ValueError) as error:
         raise BadMessage(f"it is no action: {error}") from None
-    return SimpleNamespace(agent=agent, sequence=sequence, values=values, say=say)
+    return SimpleNamespace(
+        agent=agent, sequence=sequence, values=values, say=say, taught=taught, hold=hold
+    )
 
 
 def _padding(data: bytes, size: int) -> bytes:

@@ -14,7 +14,7 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_ros.leases import is_later, rank
 from hitab_ros.messages.pieces import PIECE_BYTES, PieceReader, publish_pieces
 from hitab_world.node.percept_batches import Sensed, percept_batches
-from hitab_world.simulating.lockstep import Answer
+from hitab_world.simulating.lockstep import Take
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class HostRegistry:
         self,
         node: GuardedNode,
         agents: Iterable[str],
-        take: Callable[[str, int, Answer], None],
+        take: Take,
         settings: SwarmSettings = ANY_SWARM,
         report: Callable[[str], None] = lambda text: None,
     ) -> None:
@@ -253,12 +253,20 @@ class HostRegistry:
         host.answered |= bool(host.indices)
         agents = host.roster.agents
         said = dict(zip(batch.speakers, batch.said, strict=False))
+        holds = dict(zip(batch.holders, batch.holds, strict=False))
+        taught = frozenset(batch.taught)
         values, end = batch.values, 0
         for index, count in zip(batch.agents, batch.value_counts, strict=False):
             begin, end = end, end + count
             if index < len(agents) and self._holders.get(agents[index]) is host:
                 answer = values[begin:end], said.get(index, "")
-                self._take(agents[index], batch.sequence, answer)
+                self._take(
+                    agents[index],
+                    batch.sequence,
+                    answer,
+                    taught=index in taught,
+                    hold=holds.get(index, ""),
+                )
 
 
 def _refused(roster: msg.HostRoster, agents: Sequence[str], holder: _Host | None) -> str:

@@ -10,7 +10,7 @@ from hitab_msgs import msg
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.messages.cycle_codec import percept_bytes, read_action
 from hitab_world.node.host_registry import ANY_SWARM, HostRegistry, PerceptOf, SwarmSettings
-from hitab_world.simulating.lockstep import Answer
+from hitab_world.simulating.lockstep import Take
 
 EARLY_TOPICS_MAX = 64  # number of agents up to which topics are created before agents join
 
@@ -39,7 +39,7 @@ class PerceptSender:
 
     def join(
         self,
-        take: Callable[[str, int, Answer], None],
+        take: Take,
         swarm: SwarmSettings = ANY_SWARM,
         report: Callable[[str], None] = lambda text: None,
     ) -> None:
@@ -50,7 +50,13 @@ class PerceptSender:
         """
 
         def on_action(action: msg.Action) -> None:
-            take(action.agent, action.sequence, (action.values, action.say))
+            take(
+                action.agent,
+                action.sequence,
+                (action.values, action.say),
+                taught=action.taught,
+                hold=action.hold,
+            )
 
         # All agents may answer before this process reads the first answer.
         self._node.create_subscription(

@@ -14,6 +14,7 @@ from hitab_world.parameters import NOT_NEGATIVE, Parameters, between, one_of
 WORLD_PARAMETERS = {
     "pace": "lockstep: the next cycle begins when every agent has answered; realtime",
     "factor": "speed in real-time pace, as a factor of real time",
+    "teaching": "further factor in real-time pace while an agent is taught; 1: none",
     "seed": "of the run: episode i is seeded with it and i",
     "paused": "wait for a resume, step or play before the first cycle",
     "deadline": "s; in lockstep, how long to wait for an agent's answer",
@@ -35,6 +36,7 @@ class WorldSettings(Parameters):
         {
             "pace": one_of(WorldStatus.LOCKSTEP, WorldStatus.REALTIME),
             "factor": between(0.01, 1000.0),
+            "teaching": between(0.01, 1.0),
             "deadline": between(0.001, 3600.0),
             "state_rate": between(0.1, 1000.0),
             "snapshot_period": between(0.0, 3600.0),
@@ -45,6 +47,7 @@ class WorldSettings(Parameters):
 
     pace: str = WorldStatus.REALTIME
     factor: float = 1.0
+    teaching: float = 0.5
     seed: int = 0
     paused: bool = False
     deadline: float = 5.0

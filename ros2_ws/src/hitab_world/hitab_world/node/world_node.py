@@ -76,7 +76,7 @@ class WorldNode(GuardedNode):
         self.settings = settings = WorldSettings.declare(self)
         self.world = make_world(self, settings.seed)
         self._live_world = self.world if isinstance(self.world, LiveWorld) else None
-        self.control = Control(settings.pace, settings.factor, settings.paused)
+        self.control = Control(settings.pace, settings.factor, settings.paused, settings.teaching)
         # Rounds are numbered from the time of day, so that a restarted world has new numbers.
         self._sequence = time.time_ns()
         self._next_cycle_ns = 0
@@ -215,7 +215,7 @@ class WorldNode(GuardedNode):
         self._wait(spinning, self._deadline())
         if self.run_state.disturbed or spinning.stopped:
             return  # no agent counts as late, since the wait was cut short
-        self.run_state.restart = False
+        self.run_state.restart = self.run_state.back = False
         self.round_answers.give_up_on_late()
         self._topics.publish_status()  # comes first: clients that get the state read the status
         self._topics.publish_state()
@@ -231,9 +231,12 @@ class WorldNode(GuardedNode):
         )
         if lockstep and self.control.steps_left:
             self._wait_for_stepped(spinning)
+        if holds := self.round_answers.holds:
+            run_state.hold(some(list(holds.values()), NAMED_MAX, "; "))
+            return
         if run_state.disturbed or spinning.stopped:
             return  # the answers belong to an earlier situation
-        run_state.restart = False
+        run_state.restart = run_state.back = False
         late = ""
         if not self.round_answers.complete:
             names_of_late = self.round_answers.count_late(exclude=lockstep)
@@ -266,7 +269,10 @@ class WorldNode(GuardedNode):
     def _next_cycle(self) -> int:
         """Return the time at which the next cycle begins in real time."""
         now = time.monotonic_ns()
-        period = int(self.world.cycle_seconds / self.control.factor * NANOSECONDS)
+        factor = self.control.factor * (
+            self.control.teaching if self.round_answers.taught else 1.0
+        )
+        period = int(self.world.cycle_seconds / factor * NANOSECONDS)
         # After a pause or a delay the world continues from now instead of catching up.
         behind = now - self._next_cycle_ns > 5 * period
         self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
@@ -303,6 +309,7 @@ class WorldNode(GuardedNode):
             "look": look,
             "lockstep": self.control.lockstep,
             "restart": self.run_state.restart,
+            "back": self.run_state.back,
         }
         self._percept_sender.send(common, self._percept)
 
@@ -320,8 +327,10 @@ class WorldNode(GuardedNode):
         return sensed
 
     def _advance(self) -> None:
-        world = self.world
+        world, last_minute = self.world, self.run_state.last_minute
         try:
+            if last_minute is not None:
+                last_minute.note(self.round_answers.answers)
             ended = world.step(self.round_answers.answers)
         except Exception as error:
             self.guard.failed(STEP, error)

@@ -16,6 +16,17 @@ from hitab_world.simulating.run_state import RunState
 from hitab_world.simulating.world_memory import WorldMemory
 from hitab_world.world import Placement
 
+_CONTROL = srv.Control.Request
+ACTIONS = (
+    _CONTROL.PAUSE,
+    _CONTROL.RESUME,
+    _CONTROL.STEP,
+    _CONTROL.RESET,
+    _CONTROL.PACE,
+    _CONTROL.TEACHING,
+    _CONTROL.BACK,
+)
+
 SNAPSHOTS_MAX = 100
 """Maximum number of saved snapshots, each of which is a whole world in memory."""
 
@@ -90,9 +101,18 @@ class WorldServices:
                     run_state.disturbed = True  # the agents must know whether the world waits
                 control.pace, control.factor = checked.pace, checked.factor
                 done = f"pace {control.pace}, factor {control.factor:g}"
+            case actions.TEACHING:
+                if run_state.last_minute is None:
+                    raise HitabError(
+                        "a world that runs by itself, as on another server, cannot be slowed down"
+                    )
+                control.teaching = WorldSettings(teaching=request.factor).teaching
+                done = f"pace while an agent is taught: {control.teaching:g} of the usual"
+            case actions.BACK:
+                run_state.go_back(request.to)
+                done = f"back at cycle {request.to}, paused"
             case action:
-                known = (actions.PAUSE, actions.RESUME, actions.STEP, actions.RESET, actions.PACE)
-                raise HitabError(unknown("action", action, known))
+                raise HitabError(unknown("action", action, ACTIONS))
         run_state.touched = True
         response.cycle = run_state.world.cycle + control.steps_left
         if request.action != actions.STEP:

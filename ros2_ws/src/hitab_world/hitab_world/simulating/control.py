@@ -23,17 +23,22 @@ class Control:
         steps_left: cycles to play while paused.
         episodes_left: episodes to play until the world pauses; 0 for no limit.
         run: number of the last run, unique among all runs.
+        teaching: further factor while an agent is taught; 1 for none.
         held: why the world rests in spite of all requests, such as an emergency stop; else empty.
             It is not stored.
+        reached: why the world paused by itself, such as at a breakpoint; else empty. It is not
+            stored.
     """
 
     pace: str
     factor: float
     paused: bool
+    teaching: float = 1.0
     steps_left: int = 0
     episodes_left: int = 0
     run: int = field(default_factory=time.time_ns)
     held = ""
+    reached = ""
 
     @property
     def lockstep(self) -> bool:
@@ -45,20 +50,23 @@ class Control:
         """Whether no cycle should be played now."""
         return bool(self.held) or (self.paused and not self.steps_left)
 
-    def pause(self) -> None:
-        """Pause the world."""
+    def pause(self, reached: str = "") -> None:
+        """Pause the world; ``reached`` what it paused at by itself."""
         self.paused = True
         self.steps_left = 0
+        self.reached = reached
 
     def resume(self) -> None:
         """Run until something pauses the world."""
         self.paused = False
         self.steps_left = 0
+        self.reached = ""
 
     def step(self, cycles: int) -> None:
         """Play some cycles, then pause."""
         self.paused = True
         self.steps_left = cycles
+        self.reached = ""
 
     def take_over(self, other: Control) -> None:
         """Take over the control of another process's world."""
@@ -73,8 +81,8 @@ class Control:
         """
         control = cls(**values)
         for name, kind in get_type_hints(cls).items():
-            value = values[name]
+            value = getattr(control, name)
             if type(value) is not kind or (kind is int and value < 0):
                 raise TypeError(f"{name} is {value!r}")
-        WorldSettings(pace=control.pace, factor=control.factor)
+        WorldSettings(pace=control.pace, factor=control.factor, teaching=control.teaching)
         return control

@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Protocol
 
 Answer = tuple[Sequence[float], str]
+
+
+class Take(Protocol):
+    """Interface of what takes an agent's answer; see `RoundAnswers.take`."""
+
+    def __call__(
+        self, agent: str, sequence: int, answer: Answer, *, taught: bool = False, hold: str = ""
+    ) -> None:
+        """Take an answer."""
 
 
 class RoundAnswers:
@@ -14,6 +24,10 @@ class RoundAnswers:
     agent must not slow down the others for longer than one deadline. In the first round after
     look-only ones, the world waits for all agents, so that a run without one of them has a missed
     deadline.
+
+    Attributes:
+        holds: why agents want the world to hold before they act, by name.
+        taught: the agents that a demonstrator is in control of, as their last answers say.
     """
 
     def __init__(self, agents: Iterable[str], joined: Callable[[str], bool]) -> None:
@@ -28,10 +42,12 @@ class RoundAnswers:
         self.present: set[str] = set()
         self.answers: dict[str, Answer] = {}
         self.missed_deadlines = 0
+        self.holds: dict[str, str] = {}
+        self.taught: set[str] = set()
         self._joined = joined
         self._silent: set[str] = set()
         self._awaited: set[str] = set()
-        self._sequence = 0
+        self._sequence = self._last_look = 0
         self._last_was_look = True
 
     @property
@@ -59,13 +75,16 @@ class RoundAnswers:
         present = {name for name in self.agents if self._joined(name)}
         changed = present != self.present
         self._silent -= self.present - present  # an agent that returns is awaited again
+        self.taught &= present
         self.present = present
         return changed
 
     def begin(self, sequence: int, *, look: bool = False) -> None:
         """Begin a round and forget the previous answers; ``look`` marks a look-only round."""
         self._sequence = sequence
-        self.answers = {}
+        self.answers, self.holds = {}, {}
+        if look:
+            self._last_look = sequence
         if self._last_was_look and not look:
             self._silent = set()
         self._last_was_look = look
@@ -79,10 +98,27 @@ class RoundAnswers:
         """Do not wait for an agent in this round, since it got no percept."""
         self._awaited.discard(agent)
 
-    def take(self, agent: str, sequence: int, answer: Answer) -> None:
-        """Take an agent's answer; one to an earlier round only shows that the agent is alive."""
+    def take(
+        self, agent: str, sequence: int, answer: Answer, *, taught: bool = False, hold: str = ""
+    ) -> None:
+        """Take an agent's answer; one to an earlier round only shows that the agent is alive.
+
+        Args:
+            agent: its name.
+            sequence: number of the round.
+            answer: its action and message.
+            taught: whether a demonstrator is in control of it.
+            hold: why it wants the world to hold before it acts; it has not acted then, so that a
+                late answer counts, too, unless the world has stood still since.
+        """
         if agent not in self._known:
             return
+        if taught:
+            self.taught.add(agent)
+        else:
+            self.taught.discard(agent)
+        if hold and sequence > self._last_look:
+            self.holds[agent] = hold
         self._silent.discard(agent)
         if sequence == self._sequence:
             self.answers[agent] = answer

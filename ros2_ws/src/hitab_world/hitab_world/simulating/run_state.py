@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 
+from hitab_core import HitabError
 from hitab_world.simulating.control import Control
+from hitab_world.simulating.last_minute import LastMinute
 from hitab_world.simulating.lockstep import RoundAnswers
-from hitab_world.world import World
+from hitab_world.world import LiveWorld, World
 
 
 class RunState:
@@ -19,9 +21,11 @@ class RunState:
         changes: number of the last change from outside, unique among all processes.
         disturbed: whether the world has changed since its last percepts.
         restart: whether agents begin at Start with the next percept.
+        back: whether the world went back to this cycle since its last percepts.
         begins: whether a run begins with the next cycle.
         in_real_time: whether the run has depended on a clock.
         touched: whether the world was changed from outside since it was last saved.
+        last_minute: what it can be put back to; None of a world that runs by itself.
     """
 
     def __init__(self, world: World, control: Control, round_answers: RoundAnswers) -> None:
@@ -31,9 +35,11 @@ class RunState:
         self.changes = time.time_ns()
         self.disturbed = True
         self.restart = True
+        self.back = False
         self.begins = False
         self.in_real_time = False
         self.touched = False
+        self.last_minute = None if isinstance(world, LiveWorld) else LastMinute(world)
 
     @property
     def reproducible(self) -> bool:
@@ -80,3 +86,29 @@ class RunState:
         """Mark the world as changed from outside: show it to the agents and save it."""
         self.disturbed = True
         self.touched = True
+        if self.last_minute is not None:
+            self.last_minute.cut()
+
+    def hold(self, why: str) -> None:
+        """Pause before the present cycle, since an agent holds the world there.
+
+        The other agents have acted already, so they go back.
+        """
+        self.control.pause(why)
+        self.restart = False
+        self.back = self.disturbed = True
+
+    def go_back(self, cycle: int) -> None:
+        """Put the world back to a cycle of the last minute, where it pauses.
+
+        Raises:
+            HitabError: if that is not possible; nothing has changed then.
+        """
+        if self.last_minute is None:
+            raise HitabError(
+                "a world that runs by itself, as on another server, cannot go back; go back in a "
+                "simulation"
+            )
+        self.last_minute.go_back(cycle)
+        self.control.pause()
+        self.back = self.disturbed = self.touched = self.in_real_time = True
