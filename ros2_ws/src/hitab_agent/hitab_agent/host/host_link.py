@@ -32,16 +32,6 @@ that is lower by more are those of another world."""
 
 COMMON_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed")
 CYCLE_FIELDS = (*COMMON_FIELDS, "look", "lockstep", "restart", "back")
-    "stamp",
-    "sequence",
-    "cycle",
-    "episode",
-    "seed",
-    "look",
-    "lockstep",
-    "restart",
-    "back",
-)
 """Fields that all percepts of a cycle share."""
 
 

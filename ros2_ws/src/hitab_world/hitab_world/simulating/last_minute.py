@@ -73,6 +73,7 @@ class LastMinute:
         self._cut = False
         self._earliest = 0.0
         self._names: tuple[str, ...] = ()
+        self._why_not = ""  # the world gives no snapshot
 
     @property
     def oldest(self) -> int:
@@ -99,10 +100,16 @@ class LastMinute:
         is_due = bool(segments) and cycle - segments[-1].cycle >= every
         if not segments or self._cut or (is_due and self._clock() >= self._earliest):
             began = self._clock()
-            segments.append(_Segment(cycle, world.snapshot()))
+            try:
+                snapshot = world.snapshot()
+            except Exception as error:  # a world's snapshot may be third-party code
+                self._why_not = f"its snapshot fails: {error!r}; correct the world"
+                segments.clear()
+                return
             ended = self._clock()
+            segments.append(_Segment(cycle, snapshot))
             self._earliest = ended + SNAPSHOT_SHARE * (ended - began)
-            self._cut = False
+            self._cut, self._why_not = False, ""
         past = cycle - PAST_SECONDS / world.cycle_seconds
         while len(segments) > 1 and segments[1].cycle <= past:
             segments.pop(0)
@@ -119,6 +126,8 @@ class LastMinute:
                 fails to play again what it has played; then nothing has changed.
         """
         world, oldest = self._world, self.oldest
+        if self._why_not:
+            raise HitabError(f"the world cannot go back, since {self._why_not}")
         if not oldest or not oldest <= cycle <= world.cycle:
             can = f"from {oldest} to {world.cycle}" if oldest else "none has been played yet"
             raise HitabError(
