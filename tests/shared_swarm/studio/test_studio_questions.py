@@ -22,6 +22,7 @@ def nothing_is_trained(swarm):
 def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismissed(
     swarm, person
 ):
+    swarm.world.step(1)  # cycle 0 means unknown
     away_from_everybody(swarm, 5.0)
     begin(person, "Asks")
     # In GoFast, twice in the same situation, they say different things.
@@ -41,6 +42,13 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     assert proposed.inner_text().split() == ["GoSlow", "A"]
     person.sees(f"question-{number}", "instead of GoSlow or Stop")
     person.sees(f"then-{number}-GoSlow", "Then: GoSlow")
+    met = int(swarm.world.status.cycle)
+    last = int(swarm.world.step(5).cycle)
+    person.page.wait_for_function("cycle => studioField.shown === cycle", arg=last)
+    person.click(f"show-{number}")
+    person.page.wait_for_function("cycle => studioField.shown === cycle", arg=met)
+    person.page.keyboard.press("Escape")
+    person.does_not_see("past")
     person.page.keyboard.press("a")
     person.waits_until(lambda: not contradicted(), "it was not answered")
     assert all(

@@ -39,6 +39,14 @@ def going_back(page: Page) -> str:
     return ""
 
 
+def showing(page: Page, cycle: int) -> str:
+    """Return the reason for which the situation of a cycle cannot be shown."""
+    if page.studio.known.robots is not None:
+        return "Robots have no common cycle: find the moment on the strip."
+    minute = page.studio.link.minute
+    return "" if minute.begin <= cycle <= minute.now else "That was more than a minute ago."
+
+
 def freezing(page: Page) -> str:
     """Return the reason for which a key cannot freeze the world."""
     status = page.studio.known.world

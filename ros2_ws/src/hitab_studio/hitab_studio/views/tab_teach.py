@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from hitab_client.demonstrating import EARLIER_SECONDS
@@ -44,6 +45,7 @@ def context(page: Page) -> dict[str, Any]:
         "remarks": training.remarks if training else (),
         "in_studio": in_studio,
         "question_titles": TITLES,
+        "showing_off": partial(unavailable.showing, page),
         "when_unsure": when_unsure(page),
         "sensors": robot_sensors.rows(page),
         "sensor_notes": robot_sensors.notes(page),
