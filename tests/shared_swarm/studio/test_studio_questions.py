@@ -41,6 +41,10 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     assert proposed.inner_text().split() == ["GoSlow", "A"]
     person.sees(f"question-{number}", "instead of GoSlow or Stop")
     person.sees(f"then-{number}-GoSlow", "Then: GoSlow")
+    person.click("save")
+    person.sees("open-questions", "which holds?")
+    person.page.keyboard.press("Escape")
+    person.does_not_see("open-questions")
     person.page.keyboard.press("a")
     person.waits_until(lambda: not contradicted(), "it was not answered")
     assert all(
