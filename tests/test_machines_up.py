@@ -45,7 +45,7 @@ DESTINATIONS = {"ann@lab2": "lab_2", "lab3": "lab_3"}
 STUB_SSH = """\
 import json, os, pty, sys
 *options, destination, command = sys.argv[1:]
-assert options == ["-tt", "-o", "BatchMode=yes"], options
+assert options == ["-tt", "-o", "BatchMode=yes", "-o", "LogLevel=ERROR"], options
 enter = json.loads(os.environ["STUB_SSH"]).get(destination)
 if enter is None:
     print("Host key verification failed.", file=sys.stderr)

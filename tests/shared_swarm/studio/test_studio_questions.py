@@ -49,6 +49,10 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     person.page.wait_for_function("cycle => studioField.shown === cycle", arg=met)
     person.page.keyboard.press("Escape")
     person.does_not_see("past")
+    person.click("save")
+    person.sees("open-questions", "which holds?")
+    person.page.keyboard.press("Escape")
+    person.does_not_see("open-questions")
     person.page.keyboard.press("a")
     person.waits_until(lambda: not contradicted(), "it was not answered")
     assert all(

@@ -49,7 +49,7 @@ def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun)
     put(begun, 8.0)
     agents.do(ONE, Command("GoFast"))
     state = world.step(20)
-    taught = agents.do(ONE, Command("Stop", seen=state.cycle - 5, pace=1.0, exact=True))
+    taught = agents.do(ONE, Command("Stop", seen=state.cycle - 5))
     assert list(taught.examples) == [3, 4]
     late = {e.number: e for e in agents.training(ONE).examples}
     assert late[3].cycle == state.cycle - 5

@@ -35,10 +35,13 @@ class Trained:
 
     def show(self, *commands: tuple[float, str]) -> None:
         for position, behavior in commands:
-            cycle = self.agent.cycle + 1
-            self.agent.sense([position, position**2], [], cycle, cycle * 0.1)
+            self.sense(position)
             self.agent.command(Term(behavior))
             self.agent.tick()
+
+    def sense(self, position: float) -> None:
+        cycle = self.agent.cycle + 1
+        self.agent.sense([position, position**2], [], cycle, cycle * 0.1)
 
     def subscribe(self) -> None:
         self.process.node.create_subscription(
@@ -124,6 +127,8 @@ def test_other_things_are_done_while_questions_are_looked_for(
     trained: Trained, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session, done, found = trained.begin(), [], []
+    trained.sense(3.0)  # nothing like it was shown
+    trained.agent.tick()
     search = session.search
 
     def slow() -> Any:

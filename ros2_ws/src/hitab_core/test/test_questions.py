@@ -281,6 +281,30 @@ def test_a_situation_that_is_met_in_a_test_is_asked_about_and_the_answer_is_lear
     ]
 
 
+@pytest.mark.parametrize(
+    ("position", "proposed"), [(3.0, "Right"), (4.5, ""), (7.0, ""), (15.0, "Stop")]
+)
+def test_a_decision_is_proposed_where_examples_of_others_are_twice_as_far(
+    cart: Driven, position: float, proposed: str
+) -> None:
+    cart.show(0.0, "Right")
+    cart.show(10.0, "Stop")
+    cart.agent.test(restart=True)
+    cart.at(0.0)
+    cart.at(position)
+    asked = {q.state: q for q in cart.session.questions.find() if q.kind == "unshown"}["Right"]
+    assert asked.situation == (position,)
+    assert asked.choices[0].name == ("Right" if position < 10.0 else "Stop"), "as it is"
+    assert asked.proposed == proposed
+    if proposed:
+        cart.session.answer(asked.number)
+        assert cart.session.examples[-1].next_state == proposed
+    else:
+        with pytest.raises(TrainingError, match=r"no answer .* is proposed"):
+            cart.session.answer(asked.number)
+    assert [cost.proposals for cost in training_costs(cart.agent.journal)] == [bool(proposed)]
+
+
 def test_what_was_shown_is_not_asked_about(shown: Driven) -> None:
     for _ in range(20):
         shown.show(0.0, "Right")

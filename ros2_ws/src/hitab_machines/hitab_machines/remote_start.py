@@ -113,7 +113,8 @@ class _RemoteStart:
         hitab = [machine.hitab, *map(shlex.quote, arguments), "--machine", machine.name]
         remote = ["env", "TERM=dumb", *settings, *hitab]  # a bar would fill the lines
         # A terminal there passes Ctrl-C on, and ends `hitab up` if the connection breaks.
-        options = ["-tt", "-o", "BatchMode=yes"]
+        # ssh itself speaks only of errors, and not of the end of the connection.
+        options = ["-tt", "-o", "BatchMode=yes", "-o", "LogLevel=ERROR"]
         self._command = ["ssh", *options, machine.ssh, " ".join(remote)]
         self._last = ""
 

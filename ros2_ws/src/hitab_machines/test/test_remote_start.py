@@ -22,9 +22,9 @@ from hitab_machines import RemoteStarts, local_machine
 SSHD = shutil.which("sshd", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
 STUB = """\
 #!/bin/sh
-[ "$1 $2 $3" = "-tt -o BatchMode=yes" ] || exit 1
-[ "$4" = unknown ] && echo "Host key verification failed." && exit 255
-shift 4
+[ "$1 $2 $3 $4 $5" = "-tt -o BatchMode=yes -o LogLevel=ERROR" ] || exit 1
+[ "$6" = unknown ] && echo "Host key verification failed." && exit 255
+shift 6
 exec sh -c "$*"
 """
 HITAB = (
@@ -126,9 +126,12 @@ def sshd(tmp_path, programs) -> Iterator[str]:
     (programs / "ssh").unlink()
     real = shutil.which("ssh")
     program(programs / "ssh", f'#!/bin/sh\nexec {real} -F {tmp_path}/ssh_config "$@"\n')
+    if os.geteuid() == 0:  # then sshd wants this folder, which its service makes
+        Path("/run/sshd").mkdir(mode=0o755, exist_ok=True)
     server = subprocess.Popen([SSHD, "-D", "-e", "-f", str(tmp_path / "sshd_config")])
     deadline = time.monotonic() + 10.0
     while subprocess.run(["ssh", "lab", "true"], check=False).returncode:
+        assert server.poll() is None, "it does not start"
         assert time.monotonic() < deadline
     yield "lab"
     server.terminate()

@@ -6,12 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hitab_core.assistant.causes import NEAR
 from hitab_core.assistant.lateness import LateCommand
 from hitab_core.numeric.arrays import Floats
 from hitab_core.training.percepts import PerceptRecord
-
-SAME = 0.15
-"""Moments nearer than this, s, are the same for a person."""
 
 DOUBT = 0.5
 """A command is doubtful if another moment is at least so many times as probable as its own."""
@@ -34,7 +32,7 @@ class Doubt(NamedTuple):
 def doubtful(command: LateCommand, weights: Floats, due: int) -> int | None:
     """Return the most probable other moment of a command, if it is hardly less probable.
 
-    Moments within `SAME` of each other count together.
+    Moments within `NEAR` of each other count together.
 
     Args:
         command: the command.
@@ -48,10 +46,10 @@ def doubtful(command: LateCommand, weights: Floats, due: int) -> int | None:
     changes = np.arange(len(delays)) >= len(command.delays)
     away = np.abs(delays[:, None] - delays)
     alike = changes[:, None] == changes
-    near = (away <= SAME + 1e-6) & alike
+    near = (away <= NEAR + 1e-6) & alike
     mass = near @ weights
     # The other one must not share any of what speaks for this one.
-    apart = (away[due] > 2.0 * SAME) | ~alike[due]
+    apart = (away[due] > 2.0 * NEAR) | ~alike[due]
     most = int(np.where(apart, mass, -1.0).argmax())
     if not apart.any() or mass[most] < DOUBT * mass[due]:
         return None

@@ -14,7 +14,7 @@ from hitab_studio.pages.person_names import NAME_LENGTH_MAX
 from hitab_studio.swarm.received_vocabulary import terms
 from hitab_studio.views.label_strip import words
 from hitab_studio.views.numbers import counted, measure
-from hitab_studio.views.question_titles import WHEN_UNSURE
+from hitab_studio.views.question_titles import TITLES, WHEN_UNSURE
 
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 
@@ -77,6 +77,8 @@ def context(page: Page) -> dict[str, Any]:
         labels = (*training.feature_labels, *training.possible_states)
         used = {argument for label in labels for argument in Term.parse(label).arguments}
         found["bindable"] = sorted(used - set(training.parameters))
+        # Those that the agent has found since it was opened, too.
+        found |= {"asked": (page.training or training).questions, "question_titles": TITLES}
     return found
 
 

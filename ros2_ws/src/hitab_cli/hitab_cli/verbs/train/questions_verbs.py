@@ -63,11 +63,12 @@ def questions(
             proposed = " (proposed)" if offered.name == question.proposed else ""
             lines.append(f"   {offered.name}: {offered.effect}{proposed}")
             if then := " -> ".join(offered.states[:SHOWN_MAX]):
-                lines.append(f"      {then}; {offered.changes:.0%} of what was met")
+                lines.append(f"      then {then}; {offered.changes:.0%} of what was met changes")
     if found.questions:
+        proposes = any(question.proposed for question in found.questions)
         lines.append(
             f"`{called()} questions {agent} --answer {found.questions[0].number} --choice CHOICE` "
-            "answers; without --choice, as proposed."
+            f"answers{'; without --choice, as proposed' if proposes else ''}."
         )
     records = [_record(question) for question in found.questions]
     data = {"questions": records, "answered": list(found.answered)}
