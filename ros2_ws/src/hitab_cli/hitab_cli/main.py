@@ -70,7 +70,8 @@ HELP_PANELS = {
     "swarm.policy.policy",
     "Train": "perform.commanding.demonstrate train.driving.drive train.training.train "
     "train.training.start_testing train.training.undo train.training.redo train.training.save "
-    "train.training.discard train.questions.questions train.breakpoint.set_breakpoints",
+    "train.training.discard train.questions.questions train.breakpoint.set_breakpoints "
+    "swarm.world.back",
     "Perform": "perform.commanding.perform perform.commanding.distribute "
     "perform.commanding.vocabulary perform.perceiving.perceive perform.perceiving.why "
     "perform.evaluate.evaluate perform.evaluate.film "

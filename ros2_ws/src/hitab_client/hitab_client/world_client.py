@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
@@ -14,7 +14,7 @@ from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
 from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.showing.swarm_listener import SwarmListener
-from hitab_core import Fix, some
+from hitab_core import Fix, Remedy, some
 from hitab_ros import names, qos
 from hitab_ros.call import blocking
 from hitab_ros.messages.conversions import remedies_of
@@ -157,21 +157,59 @@ class WorldClient(SwarmListener):
 
     @blocking
     async def control(
-        self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0
+        self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0, to: int = 0
     ) -> Any:
-        """Pause, resume, step or reset the world, or set its pace."""
+        """Pause, resume, step, reset or put back the world, or set its pace.
+
+        Args:
+            action: see `Control`.
+            cycles: number of cycles to step.
+            pace: lockstep or realtime; empty to keep it.
+            factor: speed in real-time pace, or with the action ``teaching`` the further factor
+                while an agent is taught; 0 to keep it.
+            to: cycle to go back to.
+        """
         answer = await self.ask.coroutine(
-            Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
+            Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor, to=to
         )
         mode = MODE_AFTER_REQUEST.get(action, "")
+        field = "teaching" if action == Control.Request.TEACHING else "factor"
         await self._await_status(
             lambda status: (
                 mode in ("", status.mode)
                 and pace in ("", status.pace)
-                and factor in (0.0, status.factor)
+                and factor in (0.0, getattr(status, field))
             )
         )
         return answer
+
+    @blocking
+    async def go_back(self, *, to: int = 0, seconds: float = 0.0) -> WorldState:
+        """Put the world back to a cycle, and return its state once the agents have perceived it.
+
+        Args:
+            to: the cycle; 0 to go back by ``seconds``.
+            seconds: simulated time from now, s.
+
+        Raises:
+            SwarmError: if the world cannot go back there; it runs as before then.
+        """
+        before = await self.wait.coroutine()
+        runs = before.mode == WorldState.RUNNING
+        requests = Control.Request
+        if not to and before.oldest:  # else it refuses, whatever the cycle
+            now = await self.shown.coroutine(await self.control.coroutine(requests.PAUSE))
+            cycles_per_second = now.cycle / seconds_of(now.header.stamp)
+            to = max(1, round(now.cycle - seconds * cycles_per_second))
+        try:
+            answer = await self.control.coroutine(requests.BACK, to=to)
+        except SwarmError:
+            if runs:
+                await self.control.coroutine(requests.RESUME)
+            raise
+        state = await self.shown.coroutine(answer)
+        await self._await_status(lambda status: status.cycle <= to)
+        return state
 
     async def _await_status(self, right: Callable[[WorldStatus], bool]) -> None:
         """Wait for the status that was sent before an answer or a state, on another topic.
@@ -208,18 +246,16 @@ class WorldClient(SwarmListener):
             SwarmError: if a cycle takes longer.
         """
         last = (await self.control.coroutine(Control.Request.STEP, cycles=cycles)).cycle
-        seen = [self.status]
+        at_rest = self._at_rest()
 
         def rests() -> bool:
-            """Raise if a status sent since the request shows that the world rests too early."""
-            if self.status is not seen[-1]:
-                seen.append(self.status)  # the first new status may have been sent before
-            if (status := seen[-1]) and len(seen) > 2 and self.is_paused and status.cycle < last:
-                why = status.last_error or "it was paused"
+            """Raise if the world rests too early."""
+            if (status := at_rest()) and status.cycle < last:
+                why, ways = _why_at_rest(status)
                 raise SwarmError(
                     f"the world did not reach cycle {last}, but rests at cycle {status.cycle}: "
                     f"{why}",
-                    *remedies_of(status.remedies),
+                    *ways,
                 )
             return False
 
@@ -229,6 +265,17 @@ class WorldClient(SwarmListener):
             state = await self.state_at.coroutine(state.cycle + 1, seconds, rests)
         await self._await_status(lambda status: status.cycle >= last)
         return state
+
+    def _at_rest(self) -> Callable[[], WorldStatus | None]:
+        """Return a function that returns a status, sent since now, of a world at rest."""
+        seen = [self.status]
+
+        def at_rest() -> WorldStatus | None:
+            if self.status is not seen[-1]:
+                seen.append(self.status)  # the first new status may have been sent before
+            return self.status if len(seen) > 2 and self.is_paused else None
+
+        return at_rest
 
     @blocking
     async def state_at(
@@ -313,12 +360,13 @@ class WorldClient(SwarmListener):
         """Play episodes and return their results.
 
         Raises:
-            SwarmError: if no cycle is played for ``stall_seconds``.
+            SwarmError: if no cycle is played for ``stall_seconds``, or if a breakpoint is met.
         """
         await self.link.until(
             lambda: self.link.node.count_publishers(self._name(names.EPISODES)) > 0, 5.0, 0.01
         )
         run = (await self.ask.coroutine(Play, names.PLAY, episodes=episodes, seed=seed)).run
+        at_rest = self._at_rest()
 
         def played() -> list[Episode]:
             """Return the run's episodes as first reported; a restarted world repeats some."""
@@ -333,7 +381,14 @@ class WorldClient(SwarmListener):
                 progress(seen)
             cycle = self._cycle
 
-            def ended(known: int = len(self.episodes)) -> bool:
+            def ended(known: int = len(self.episodes), seen: int = seen) -> bool:
+                if (status := at_rest()) and status.held and len(self.episodes) == known:
+                    why, ways = _why_at_rest(status)
+                    raise SwarmError(
+                        f"the world rests after {seen} of {episodes} episodes, at cycle "
+                        f"{status.cycle}: {why}",
+                        *ways,
+                    )
                 return len(self.episodes) > known
 
             # In real time, a long episode is not a stall either.
@@ -353,3 +408,10 @@ class WorldClient(SwarmListener):
             return f"; no node answers for {', '.join(self.missing)}"
         problem = self.status.last_error if self.status is not None else ""
         return f"; the world reports: {problem}" if problem else ""
+
+
+def _why_at_rest(status: WorldStatus) -> tuple[str, Sequence[Remedy]]:
+    """Return why a world rests that was to play, and the way out."""
+    if status.held:
+        return status.held, [Fix.RESUME_WORLD()]
+    return status.last_error or "it was paused", remedies_of(status.remedies)

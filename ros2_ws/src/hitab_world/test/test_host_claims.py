@@ -62,7 +62,7 @@ class Swarm:
         self.world = self.node("world")
         self.sender = PerceptSender(self.world, KEEPERS, hosts=hosts)
 
-        def take(agent: str, sequence: int, answer: Any) -> None:
+        def take(agent: str, sequence: int, answer: Any, **more: Any) -> None:
             self.answered.add(agent)
 
         self.sender.join(take, swarm, self.refused.append)
@@ -117,7 +117,7 @@ class Swarm:
         self._sequence += 1
         self.sender.look()
         common = {"stamp": time_of(0.0), "sequence": self._sequence, "cycle": 1, "episode": 1}
-        common |= {"seed": 1, "look": False, "lockstep": False, "restart": False}
+        common |= {"seed": 1, "look": False, "lockstep": False, "restart": False, "back": False}
         self.sender.send(common, lambda agent: ([1.0], []))
 
     def until(self, condition: Any) -> None:
@@ -200,7 +200,7 @@ def test_actions_count_only_for_the_agents_that_a_host_holds(swarm):
     swarm.plays_with(keeper_1="host_of_keeper_1", keeper_2="greedy")
     swarm.until(lambda: swarm.answered >= {"keeper_1", "keeper_2"})
     taken = []
-    swarm.sender._hosts._take = lambda agent, *answer: taken.append(agent)
+    swarm.sender._hosts._take = lambda agent, *_, **more: taken.append(agent)
     swarm.sender._hosts._on_actions(
         msg.ActionBatch(host="greedy", roster=2, agents=[0, 1], value_counts=[0, 0])
     )

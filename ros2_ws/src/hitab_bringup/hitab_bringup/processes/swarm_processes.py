@@ -178,6 +178,7 @@ def _world(
         **world.node_parameters,
         "pace": world.pace,
         "factor": world.factor,
+        "teaching": world.teaching,
         "seed": world.seed,
         "paused": world.paused,
         "hosts": sum(

@@ -64,6 +64,7 @@ class WorldDescription:
         module: module of the world's node, run with ``python -m``; see
             `swarm_file.world_module`.
         pace: ``lockstep`` or ``realtime``, at ``factor`` of real time.
+        teaching: further factor while an agent is taught; 1 for none.
         parameters: parameters of this kind of world, such as ``taker_speed``.
         node_parameters: other parameters of the world's node, such as ``state_rate``.
         remap: remappings of the node: new names, by original name.
@@ -73,6 +74,7 @@ class WorldDescription:
     module: str
     pace: str = "realtime"
     factor: float = 1.0
+    teaching: float = 0.5
     seed: int = 1
     paused: bool = False
     parameters: Mapping[str, Any] = field(default_factory=dict)

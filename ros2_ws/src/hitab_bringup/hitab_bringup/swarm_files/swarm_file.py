@@ -265,6 +265,7 @@ class _Reader:
             module,
             line.pace,
             line.factor,
+            line.teaching,
             line.seed,
             line.paused,
             parameters,

@@ -205,13 +205,17 @@ class WorldLine(Renamed):
     module: str = ""
     pace: Annotated[str, among(PACES)] = "realtime"
     factor: float = Field(default=1.0, gt=0.0)
+    teaching: float = Field(default=0.5, ge=0.01, le=1.0)
     seed: Seed = 1
     paused: bool = False
     parameters: Annotated[dict[str, Annotated[Any, AfterValidator(_plain)]], NONE_IS_EMPTY] = (
         Field(default_factory=dict)
     )
     node_parameters: Annotated[
-        dict[Annotated[str, _own(("pace", "factor", "seed", "paused", SIM_TIME), SET)], Value],
+        dict[
+            Annotated[str, _own(("pace", "factor", "teaching", "seed", "paused", SIM_TIME), SET)],
+            Value,
+        ],
         NONE_IS_EMPTY,
     ] = Field(default_factory=dict)
 

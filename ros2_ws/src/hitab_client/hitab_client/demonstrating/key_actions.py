@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 
 from hitab_client.errors import SwarmError
@@ -91,7 +93,10 @@ def simulated(seconds: float, status: WorldStatus | None, speed: float = 1.0) ->
         return seconds
     if status.mode == WorldState.PAUSED:
         return 0.0  # the world is paused
-    return seconds * (status.factor if status.pace == "realtime" else speed)
+    if status.pace != "realtime":
+        return seconds * speed
+    # Of a world that cannot be slowed down, the factor for teaching is 0.
+    return seconds * status.factor * ((status.taught and status.teaching) or 1.0)
 
 
 def earlier(world: WorldClient) -> float:
@@ -101,7 +106,8 @@ def earlier(world: WorldClient) -> float:
     """
     status = world.status
     if status is not None:
-        status = WorldStatus(mode=WorldState.RUNNING, pace=status.pace, factor=status.factor)
+        status = copy(status)
+        status.mode = WorldState.RUNNING
     return simulated(EARLIER_SECONDS, status, world.speed) or EARLIER_SECONDS
 
 

@@ -11,7 +11,7 @@ from hitab_ros.call import RequestRefused
 from hitab_ros.timing import ANSWER_S, PROMPT_S
 from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action, number_from
-from hitab_studio.actions.time_actions import frozen_now, slow_down, thaw
+from hitab_studio.actions.time_actions import frozen_now, thaw
 from hitab_studio.actions.world_actions import paused
 from hitab_studio.pages.looking_back import PastMoment, to_present
 from hitab_studio.pages.page import CHOOSE_FIRST, Page
@@ -231,7 +231,6 @@ async def begin(page: Page, data: Data) -> None:
         if shown != name:  # a fast typist has not seen the warning yet
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
     await carry_out(page, operation)
-    await slow_down(page)
     if values.get("pause") and await page.ask_world(paused):
         page.tell("The world is paused; Space lets it run")
     page.tab = "teach"

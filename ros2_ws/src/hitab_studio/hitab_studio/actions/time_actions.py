@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_msgs.msg import WorldStatus
 from hitab_msgs.srv import Control
 
 from hitab_client import SwarmError
@@ -16,9 +15,6 @@ from hitab_studio.actions.world_actions import paused
 from hitab_studio.pages import unavailable
 from hitab_studio.pages.looking_back import look_back, to_present
 from hitab_studio.pages.page import Page
-
-TEACHING = 0.5
-"""Factor of the world's pace while a person teaches, unless the person has chosen another one."""
 
 
 @action("past", repeats=True)
@@ -57,20 +53,7 @@ async def continue_from(page: Page, data: Data) -> None:
 @action("teaching")
 async def teaching(page: Page, data: Data) -> None:
     """Set the further factor of the world's pace while an agent is taught."""
-    page.studio.has_chosen_teaching = True
     await _control(page, Control.Request.TEACHING, factor=float(data["value"]))
-
-
-async def slow_down(page: Page) -> None:
-    """Slow down a simulation in real time for a person who begins to teach.
-
-    Not if a factor was chosen, here or elsewhere.
-    """
-    world = page.studio.known.world
-    if world is None or page.world_off or page.studio.has_chosen_teaching:
-        return
-    if world.pace == WorldStatus.REALTIME and world.teaching == 1.0:
-        await _control(page, Control.Request.TEACHING, factor=TEACHING)
 
 
 async def _control(page: Page, what: str, **fields: Any) -> None:

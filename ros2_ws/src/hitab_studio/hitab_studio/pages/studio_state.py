@@ -33,7 +33,6 @@ class StudioState:
         present: the present field, encoded for pages.
         launcher: starts and stops swarms.
         making: the generation being made, or made last; None before the first.
-        has_chosen_teaching: whether a person has chosen the pace while teaching.
     """
 
     def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
@@ -49,7 +48,6 @@ class StudioState:
         self.present = FieldFrame(self.palette)
         self.launcher = Launcher(startable, self.touch)
         self.making: Making | None = None
-        self.has_chosen_teaching = False
 
     @property
     def why_busy(self) -> str:

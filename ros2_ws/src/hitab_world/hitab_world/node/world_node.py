@@ -269,10 +269,7 @@ class WorldNode(GuardedNode):
     def _next_cycle(self) -> int:
         """Return the time at which the next cycle begins in real time."""
         now = time.monotonic_ns()
-        factor = self.control.factor * (
-            self.control.teaching if self.round_answers.taught else 1.0
-        )
-        period = int(self.world.cycle_seconds / factor * NANOSECONDS)
+        period = int(self.world.cycle_seconds / self.run_state.speed * NANOSECONDS)
         # After a pause or a delay the world continues from now instead of catching up.
         behind = now - self._next_cycle_ns > 5 * period
         self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
@@ -353,6 +350,7 @@ class WorldNode(GuardedNode):
             self.run_state.disturbed = True  # for viewers
         else:
             topics.publish_state_if_due(at_once=ended is not None)
+            topics.publish_whether_taught()
 
     def _diagnoses(self) -> list[Diagnosis]:
         where = self.get_namespace()

@@ -26,6 +26,7 @@ class WorldTopics:
         self._settings = settings
         self._note = ""
         self._error = ""
+        self._taught = False
         self._next_state_ns = 0
         self._looks = [
             message_of(msg.Look, look, kind=kind) for kind, look in run_state.world.looks.items()
@@ -58,11 +59,17 @@ class WorldTopics:
                 self._guard.log(text)
             self.publish_status()
 
+    def publish_whether_taught(self) -> None:
+        """Publish the status if it has changed whether an agent is taught."""
+        if bool(self._run_state.round_answers.taught) != self._taught:
+            self.publish_status()
+
     def publish_status(self) -> None:
         """Publish the world's status."""
         world, run_state = self._world, self._run_state
         control, round_answers = run_state.control, run_state.round_answers
         faults = self._guard.faults.texts()
+        self._taught = bool(round_answers.taught)
         self._status.publish(
             msg.WorldStatus(
                 stamp=self._now(),
@@ -71,7 +78,7 @@ class WorldTopics:
                 pace=control.pace,
                 factor=control.factor,
                 teaching=0.0 if run_state.last_minute is None else control.teaching,
-                taught=bool(round_answers.taught),
+                taught=self._taught,
                 held=control.reached,
                 oldest=0 if run_state.last_minute is None else run_state.last_minute.oldest,
                 cycle=world.cycle,

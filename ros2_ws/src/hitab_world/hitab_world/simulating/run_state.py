@@ -46,6 +46,15 @@ class RunState:
         """Whether the same seed gives the same run: no late answers, and no clock involved."""
         return not (self.in_real_time or self.round_answers.missed_deadlines)
 
+    @property
+    def speed(self) -> float:
+        """Speed in real-time pace, as a factor of real time.
+
+        A world that runs by itself cannot be slowed down.
+        """
+        slowed = self.last_minute is not None and self.round_answers.taught
+        return self.control.factor * (self.control.teaching if slowed else 1.0)
+
     def go_on(self) -> None:
         """Continue a run that another process began.
 

@@ -26,7 +26,10 @@ AGENT_FIELDS = (
 )
 TRAINING_FIELDS = "examples default_examples questions remarks"
 CAUTION_FIELDS = "when_unsure unsure"
-WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
+WORLD_FIELDS = (
+    "world mode pace factor teaching taught held oldest cycle episode missed_deadlines missing "
+    "last_error faults"
+)
 """Shown fields of statuses."""
 
 WAYS_MAX = 10
@@ -166,13 +169,20 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
     lines: list[Any] = []
     world = data["world"]
     if world is not None:
-        pace = world["pace"] + (f" x {world['factor']:g}" if world["pace"] == "realtime" else "")
+        pace = world["pace"]
+        if pace == "realtime":
+            pace += f" x {world['factor']:g}"
+            if world["taught"] and world["teaching"] not in (0.0, 1.0):
+                pace += f" x {world['teaching']:g} while an agent is taught"
         lines.append(
             console.line(
                 f"world {world['world']}: {world['mode']}, {pace}, cycle {world['cycle']}, "
                 f"episode {world['episode']}, {world['missed_deadlines']} missed deadlines"
             )
         )
+        if world["held"]:
+            resume = as_command(Fix.RESUME_WORLD())
+            lines.append(console.line(f"the world is held by {world['held']}; {resume}"))
         if missing := [name for name in world["missing"] if name not in silent]:
             lines.append(console.line(f"the world does not hear {some(missing)}", "red"))
         lines += [console.line(text, "red") for text in _wrong(world)]

@@ -1,4 +1,4 @@
-"""Verbs that drive the world: pause, resume, step, reset, pace, place, snapshot, picture."""
+"""Verbs that drive the world: pause, resume, step, reset, pace, back, place, snapshot, picture."""
 
 from __future__ import annotations
 
@@ -131,8 +131,9 @@ def reset(swarm: SwarmName = None) -> None:
 
 @app.command()
 def pace(
-    pace: str,
+    pace: Annotated[str, typer.Argument(show_default=False)] = "",
     factor: Annotated[float | None, typer.Option(min=0.01)] = None,
+    teaching: Annotated[float | None, typer.Option(min=0.01, max=1.0)] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Set how fast the world runs.
@@ -140,14 +141,47 @@ def pace(
     lockstep: the next cycle starts when every agent has answered. realtime: by the clock.
 
     Args:
-        pace: lockstep or realtime.
+        pace: lockstep or realtime. Default: as it is.
         factor: For realtime: multiple of real time, above 0. Default: as it is.
+        teaching: For realtime: further factor while an agent is taught; 1 for none. Default: as
+            it is.
 
     Examples:
       hitab world pace lockstep
       hitab world pace realtime --factor 2
+      hitab world pace --teaching 0.5
     """
-    _control(swarm, "pace", pace=pace, factor=factor or 0.0)
+    if not pace and factor is None and teaching is None:
+        raise typer.BadParameter("give lockstep or realtime, --factor or --teaching")
+    if pace or factor is not None:
+        _control(swarm, "pace", pace=pace, factor=factor or 0.0)
+    if teaching is not None:
+        _control(swarm, "teaching", factor=teaching)
+
+
+def back(
+    seconds: Annotated[float | None, typer.Argument(min=0.0, show_default=False)] = None,
+    to: Annotated[int | None, typer.Option("--to", min=1, show_default=False)] = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Put the world back in time, at most a minute and within the episode; it pauses there.
+
+    The agents are in the states of then and keep their examples. A command that you give now is
+    recorded there; `hitab world resume` continues.
+
+    Args:
+        seconds: Simulated time from now, s.
+        to: A cycle instead, such as one that `hitab why` prints.
+
+    Examples:
+      hitab back 3
+      hitab back --to 424
+    """
+    if (seconds is None) == (to is None):
+        raise typer.BadParameter("give either the seconds to go back or --to a cycle, such as 3")
+    with connection(swarm) as swarm_up:
+        state = swarm_up.world.go_back(to=to or 0, seconds=seconds or 0.0)
+    console.say(f"back at cycle {state.cycle}, paused")
 
 
 THING_UNITS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
