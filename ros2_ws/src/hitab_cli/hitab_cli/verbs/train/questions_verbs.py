@@ -32,7 +32,8 @@ def questions(
     An agent asks when commands contradict each other, when nothing like a situation was shown,
     when a late command may be meant for either of two moments, and when another feature explains
     the examples as well. Below each answer is what the agent would do next, and the part of the
-    situations met that it would decide otherwise. `hitab undo` reverts an answer. Above the
+    situations met that it would decide otherwise. `hitab back --to CYCLE` puts the world where a
+    situation was met, within a minute. `hitab undo` reverts an answer. Above the
     questions are signs that the behavior does not work: cycles of states, and events that did not
     occur in fifty episodes of a test.
 
@@ -58,7 +59,8 @@ def questions(
     lines = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]
     lines += [] if found.questions else [f"{agent} has no question"]
     for question in found.questions:
-        lines.append(f"{question.number}. {question.text}")
+        met = f" (cycle {question.cycle})" if question.cycle else ""
+        lines.append(f"{question.number}. {question.text}{met}")
         for offered in question.choices:
             proposed = " (proposed)" if offered.name == question.proposed else ""
             lines.append(f"   {offered.name}: {offered.effect}{proposed}")
