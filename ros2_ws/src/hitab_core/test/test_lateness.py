@@ -103,6 +103,13 @@ def test_a_person_in_time_is_left_alone(tmp_path: Path) -> None:
     assert all(example.ago <= 2 * STEP for example in course.turns)
 
 
+def test_while_nothing_tells_how_late_a_person_is_commands_stay(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    course.agent.begin(Curriculum("Blind", ()))
+    for lag in (0, 4):
+        assert course.run(0.5, lag=lag).ago - lag * STEP <= 2 * STEP
+
+
 def test_what_is_on_its_way_is_no_delay_of_the_person(tmp_path: Path) -> None:
     course = Course(tmp_path)
     for _ in range(8):

@@ -110,8 +110,8 @@ class Lateness:
 
     @property
     def decided(self) -> Lateness:
-        """The lateness, given the most probable of the ways to be late."""
-        ways = np.bincount(_WAY, self.odds)
+        """The lateness, given the most probable way to be late; in time if nothing tells."""
+        ways = np.bincount(_WAY, self.odds).round(9)  # so that rounding decides no tie
         odds = np.where(ways.argmax() == _WAY, self.odds, 0.0)
         return Lateness(odds / odds.sum())
 
