@@ -51,10 +51,10 @@ PACKAGES = [name for floor in FLOORS for name in floor]
 BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
-    "hitab_agent": 3000,
+    "hitab_agent": 3050,
     "hitab_bringup": 3050,
     "hitab_class": 200,
-    "hitab_cli": 3350,
+    "hitab_cli": 3400,
     "hitab_client": 4650,
     "hitab_commander": 1150,
     "hitab_core": 10500,
@@ -65,16 +65,16 @@ BUDGET = {
     "hitab_robots": 1350,
     "hitab_ros": 1850,
     "hitab_studio": 5450,
-    "hitab_world": 1950,
+    "hitab_world": 2150,
     "keepaway_world": 1350,
-    "tests": 34750,
+    "tests": 35300,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
 FILE_MAX = 400
 """Maximum number of lines of a file of the product, comments and docstrings included."""
 
-TIMES_MAX = 60
+TIMES_MAX = 63
 """Maximum number of times that modules define: share those of `hitab_ros/timing.py`."""
 
 TIME_WORDS = {"S", "MS", "NS", "HZ", "SECONDS", "MINUTES", "HOURS", "PERIOD", "TIMEOUT"}

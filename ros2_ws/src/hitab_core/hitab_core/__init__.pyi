@@ -89,6 +89,7 @@ from .texts.wording import some as some
 from .texts.wording import unbroken as unbroken
 from .training import operation as operation
 from .training.events import Given as Given
+from .training.past import PAST_SECONDS as PAST_SECONDS
 from .training_session import ASSISTANTS as ASSISTANTS
 from .training_session import TrainingSession as TrainingSession
 from .transition_function import HandWritten as HandWritten

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 from hitab_msgs.msg import AgentStatus
 
-from hitab_studio.field.last_minute import LastMinute, glimpse_at, marks
+from hitab_studio.field.last_minute import Minute, glimpse_at, marks
 from hitab_studio.field.scene import Scene
 
 EMPTY = Scene((20.0, 20.0), (), (), (), np.zeros((0, 5)), {})
 
 
-def seen(cycles: range, episode: int = 1) -> LastMinute:
-    minute = LastMinute()
+def seen(cycles: range, episode: int = 1) -> Minute:
+    minute = Minute()
     for cycle in cycles:
         minute.see(replace(EMPTY, cycle=cycle, seconds=0.1 * cycle, episode=episode), cycle)
     return minute
@@ -68,7 +68,7 @@ def test_only_a_minute_is_offered_and_the_nearest_scene_before_is_shown():
 
 
 def test_a_robots_own_cycle_is_interpolated():
-    minute = LastMinute()
+    minute = Minute()
     assert minute.cycle("robot", 5.0, real=True) == 0
     for at, cycle in ((10.0, 500), (10.2, 510)):
         minute.hear_cycle("robot", cycle, at)

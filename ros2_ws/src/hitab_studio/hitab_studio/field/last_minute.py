@@ -10,11 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from hitab_msgs.msg import Preview
 
+from hitab_core import PAST_SECONDS
 from hitab_studio.field.remembered_scenes import RememberedScenes
 from hitab_studio.field.scene import Scene, state_shown
-
-SECONDS = 60.0
-"""Time that is shown, s."""
 
 GLIMPSES_MAX = 60_000
 """Maximum number of remembered glimpses of all agents together; one takes about 300 bytes."""
@@ -32,7 +30,7 @@ class Glimpse(NamedTuple):
     """What the status of an agent told, from a moment on.
 
     Attributes:
-        at: the moment, see `LastMinute`.
+        at: the moment, see `Minute`.
         mode: as in `AgentStatus`.
         state: the state that determines its color; "" if none.
         path: its active states, outermost first.
@@ -99,7 +97,7 @@ def marks(glimpses: Iterable[Glimpse]) -> Iterator[Mark]:
         before = now
 
 
-class LastMinute:
+class Minute:
     """Remembers the field and the agents' doing, so that a person can look back.
 
     A moment is a number: the world's cycle, or with real robots, which have no common cycle, the
@@ -128,7 +126,7 @@ class LastMinute:
     def begin(self) -> float:
         """The earliest moment to which a person can look back."""
         moments = self.scenes.moments
-        return max(self.now - SECONDS * self.rate, moments[0] if moments else self.now)
+        return max(self.now - PAST_SECONDS * self.rate, moments[0] if moments else self.now)
 
     def see(self, scene: Scene, at: float) -> None:
         """Remember how the field looks now."""

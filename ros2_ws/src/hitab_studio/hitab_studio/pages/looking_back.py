@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hitab_client import SwarmError
+from hitab_core import PAST_SECONDS
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.timing import HEARTBEAT_S
-from hitab_studio.field.last_minute import SECONDS, Glimpse, glimpse_at, marks, preview_in
+from hitab_studio.field.last_minute import Glimpse, glimpse_at, marks, preview_in
 from hitab_studio.field.scene import frame, roster
 
 Page = Any
@@ -31,7 +32,7 @@ class PastMoment:
     """An earlier moment that a page shows instead of the present.
 
     Attributes:
-        at: the moment, see `LastMinute`.
+        at: the moment, see `Minute`.
         frame, roster: the field then, encoded.
         agent: the agent that was asked for its percept then; "" if none.
         cycle: the cycle of the agent then.
@@ -73,7 +74,7 @@ class PageTime:
         """Return the message with the strip; "" if nothing has changed or it was sent just now."""
         names = rows_shown(page)
         begin, now, rate, lines = _lines(page, names)
-        left = begin if page.player is not None else now - SECONDS * rate
+        left = begin if page.player is not None else now - PAST_SECONDS * rate
         shown = previews(page, names)
         at = page.player.at if page.player is not None else self.past.at if self.past else None
         key = (at, *names, *(line[-1] if line else None for line in lines), json.dumps(shown))
@@ -95,7 +96,7 @@ class PageTime:
         ]
         episodes = () if page.player is not None else page.studio.link.minute.episodes
         return json.dumps(
-            {"t": "minute", "left": left, "right": left + SECONDS * rate, "now": now}
+            {"t": "minute", "left": left, "right": left + PAST_SECONDS * rate, "now": now}
             | {"rate": rate, "past": at, "rows": rows, "previews": shown}
             | {"cycles": page.player is None and page.studio.known.robots is None}
             | {"episodes": [e for e in episodes if e > begin]}
@@ -106,8 +107,8 @@ def _lines(page: Page, names: Sequence[str]) -> tuple[float, float, float, list[
     """Return begin, end and rate of the strip, and the agents' glimpses in it."""
     if page.player is not None:
         recording, at = page.player.recording, page.player.at
-        begin = at - at % SECONDS
-        end = min(begin + SECONDS, recording.seconds)
+        begin = at - at % PAST_SECONDS
+        end = min(begin + PAST_SECONDS, recording.seconds)
         return begin, end, 1.0, [recording.glimpses(name, begin, end) for name in names]
     minute = page.studio.link.minute
     begin, lines = minute.begin, [list(minute.glimpses(name)) for name in names]

@@ -25,7 +25,7 @@ from hitab_client.connecting.identity import STARTED_BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_ros.timing import FOUND_S, HEARTBEAT_S, SETTLE_S
-from hitab_studio.field.last_minute import LastMinute
+from hitab_studio.field.last_minute import Minute
 from hitab_studio.field.markers import Markers
 from hitab_studio.field.remembered_scenes import RememberedScenes
 from hitab_studio.robots.topics import Options
@@ -127,7 +127,7 @@ class Observer:
         self._processes = Processes(target.folder)
         self._attention = AttentionWatch(agents, self._processes)
         self._remembered = RememberedScenes()
-        self.minute = LastMinute(self._remembered)
+        self.minute = Minute(self._remembered)
         self.watches: dict[str, AgentWatch] = {}
         self._events: dict[str, deque[TransitionEvent]] = {}
         self._followed: dict[str, Any] = {}

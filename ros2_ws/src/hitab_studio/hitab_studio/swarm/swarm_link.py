@@ -20,7 +20,7 @@ from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns
 from hitab_ros.timing import AT_ONCE_S, REMIND_S, REPEAT_S, TURN_S
-from hitab_studio.field.last_minute import LastMinute
+from hitab_studio.field.last_minute import Minute
 from hitab_studio.field.scene_reader import SceneReader
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm.observer import Connected as Connected
@@ -188,9 +188,9 @@ class SwarmLink:
             self._observer.watches[agent].probe(on=on)
 
     @property
-    def minute(self) -> LastMinute:
+    def minute(self) -> Minute:
         """The last minute of the swarm; empty without a connection."""
-        return self._observer.minute if self._observer is not None else LastMinute()
+        return self._observer.minute if self._observer is not None else Minute()
 
     @property
     def observer(self) -> Observer:

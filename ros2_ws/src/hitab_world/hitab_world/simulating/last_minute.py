@@ -12,8 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hitab_core import HitabError
-from hitab_core.training.past import PAST_SECONDS
+from hitab_core import PAST_SECONDS, HitabError
 from hitab_world.simulating.lockstep import Answer
 from hitab_world.world import World
 
