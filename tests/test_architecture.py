@@ -54,7 +54,7 @@ BUDGET = {
     "hitab_agent": 3050,
     "hitab_bringup": 3050,
     "hitab_class": 200,
-    "hitab_cli": 3350,
+    "hitab_cli": 3400,
     "hitab_client": 4650,
     "hitab_commander": 1150,
     "hitab_core": 10500,
@@ -67,14 +67,14 @@ BUDGET = {
     "hitab_studio": 5450,
     "hitab_world": 2150,
     "keepaway_world": 1350,
-    "tests": 34850,
+    "tests": 35400,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
 FILE_MAX = 400
 """Maximum number of lines of a file of the product, comments and docstrings included."""
 
-TIMES_MAX = 62
+TIMES_MAX = 63
 """Maximum number of times that modules define: share those of `hitab_ros/timing.py`."""
 
 TIME_WORDS = {"S", "MS", "NS", "HZ", "SECONDS", "MINUTES", "HOURS", "PERIOD", "TIMEOUT"}

@@ -16,7 +16,15 @@ from browsing import (
     visitor,
 )
 
-from hitab_core.operations import BeginTraining, Command, DiscardTraining, Perform
+from hitab_core.operations import (
+    BeginTraining,
+    Command,
+    DiscardTraining,
+    Perform,
+    SaveBehavior,
+    SetBreakpoints,
+    Undo,
+)
 
 
 @pytest.fixture
@@ -163,3 +171,69 @@ def test_a_dot_of_the_drawing_sets_a_breakpoint_and_clears_it(swarm, watcher):
     watcher.click("stop-GoSlow")
     watcher.does_not_see("clear-GoSlow")
     assert breakpoints(swarm, "GoFast -> GoSlow")
+
+
+@needs_browser
+def test_the_world_continues_from_the_moment_that_is_shown(swarm, watcher):
+    swarm.agents.do(ONE, Command("GoFast"))
+    start = run(swarm, watcher, 5)
+    swarm.agents.do(ONE, Command("GoSlow"))
+    run(swarm, watcher, 10)
+    for _ in range(12):
+        watcher.page.keyboard.press(",")
+    watcher.page.wait_for_function("cycle => studioField.minute.past === cycle", arg=start - 2)
+    watcher.click("continue-from")
+    watcher.does_not_see("past")
+    world = swarm.world
+    assert swarm.link.spin_until(lambda: world.status.cycle == start - 2, 10.0)
+    assert world.is_paused
+    assert [*swarm.agents.read_features(ONE).active_path] == ["GoFast"]
+    assert {e.next_state for e in present_training(swarm).examples} >= {"GoFast", "GoSlow"}
+    assert world.step(1).cycle == start - 1
+
+
+@needs_browser
+def test_a_breakpoint_of_a_trained_behavior_holds_the_world_until_space_is_pressed(swarm, watcher):
+    for behavior, distance in (("GoFast", 6.0), ("GoSlow", 3.0)):
+        away_from_everybody(swarm, distance)
+        swarm.agents.do(ONE, Command(behavior))
+        swarm.world.step(1)
+    away_from_everybody(swarm, 6.0)
+    swarm.agents.do(ONE, SaveBehavior())
+    swarm.agents.do(ONE, Perform("Back"))
+    swarm.agents.do(ONE, SetBreakpoints(("GoSlow",)))
+    swarm.world.control("resume")
+    held = f"{ONE}: GoFast -> GoSlow"
+    assert swarm.link.spin_until(lambda: swarm.world.status.held == held, 30.0)
+    watcher.page.wait_for_selector("text=GoFast -> GoSlow")
+    cycle = swarm.world.status.cycle
+    watcher.page.keyboard.press("Space")
+    assert swarm.link.spin_until(lambda: swarm.world.status.cycle > cycle + 2, 10.0)
+    assert not swarm.world.status.held
+    swarm.world.control("pause")
+    swarm.agents.do(ONE, SetBreakpoints(()))
+    swarm.agents.do(ONE, BeginTraining("Back", features=["DistanceTo(ball)"], discard=True))
+
+
+@needs_browser
+def test_a_command_three_seconds_late_by_going_back_learns_what_one_in_time_learns(swarm, watcher):
+    def learned() -> object:
+        training = present_training(swarm)
+        examples = [(e.state, tuple(e.features), e.next_state) for e in training.examples]
+        return sorted(examples), training.transitions
+
+    swarm.agents.do(ONE, Command("GoFast"))
+    start = run(swarm, watcher, 5)
+    swarm.agents.do(ONE, Command("Stop"))
+    in_time = learned()
+    swarm.agents.do(ONE, Undo())
+    swarm.world.go_back(to=start)
+    last = run(swarm, watcher, 30)  # three seconds
+    assert last == start + 30
+    for _ in range(30):
+        watcher.page.keyboard.press(",")
+    watcher.page.wait_for_function("cycle => studioField.minute.past === cycle", arg=start)
+    watcher.click("do-Stop")
+    watcher.does_not_see("past")
+    swarm.link.spin_until(lambda: learned() == in_time, 5.0)
+    assert learned() == in_time

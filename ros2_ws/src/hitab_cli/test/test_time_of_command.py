@@ -10,7 +10,7 @@ import pytest
 from hitab_cli.verbs.perform import commanding_verbs as commanding
 from hitab_cli.verbs.verb_connection import Connection
 
-RUNNING = SimpleNamespace(mode="running", pace="realtime", factor=2.0)
+RUNNING = SimpleNamespace(mode="running", pace="realtime", factor=2.0, taught=False)
 PAUSED = SimpleNamespace(mode="paused", pace="realtime", factor=1.0)
 
 

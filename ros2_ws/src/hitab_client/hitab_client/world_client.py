@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
@@ -12,12 +12,12 @@ from hitab_msgs.srv import Control, Place, Play, Snapshot
 from hitab_client.connecting.identity import is_own
 from hitab_client.connecting.ros_link import RosLink
 from hitab_client.errors import SwarmError
+from hitab_client.rest import Rest
 from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.showing.swarm_listener import SwarmListener
-from hitab_core import Fix, Remedy, some
+from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.call import blocking
-from hitab_ros.messages.conversions import remedies_of
 from hitab_ros.messages.stamps import seconds_of
 from hitab_ros.timing import FOUND_S, PROMPT_S, REPEAT_S, SETTLE_S
 
@@ -246,17 +246,12 @@ class WorldClient(SwarmListener):
             SwarmError: if a cycle takes longer.
         """
         last = (await self.control.coroutine(Control.Request.STEP, cycles=cycles)).cycle
-        at_rest = self._at_rest()
+        rest = Rest(self)
 
         def rests() -> bool:
             """Raise if the world rests too early."""
-            if (status := at_rest()) and status.cycle < last:
-                why, ways = _why_at_rest(status)
-                raise SwarmError(
-                    f"the world did not reach cycle {last}, but rests at cycle {status.cycle}: "
-                    f"{why}",
-                    *ways,
-                )
+            if (status := rest.look()) and status.cycle < last:
+                raise rest.error(f"the world did not reach cycle {last}")
             return False
 
         state = await self.state_at.coroutine(0, seconds)
@@ -265,17 +260,6 @@ class WorldClient(SwarmListener):
             state = await self.state_at.coroutine(state.cycle + 1, seconds, rests)
         await self._await_status(lambda status: status.cycle >= last)
         return state
-
-    def _at_rest(self) -> Callable[[], WorldStatus | None]:
-        """Return a function that returns a status, sent since now, of a world at rest."""
-        seen = [self.status]
-
-        def at_rest() -> WorldStatus | None:
-            if self.status is not seen[-1]:
-                seen.append(self.status)  # the first new status may have been sent before
-            return self.status if len(seen) > 2 and self.is_paused else None
-
-        return at_rest
 
     @blocking
     async def state_at(
@@ -366,7 +350,7 @@ class WorldClient(SwarmListener):
             lambda: self.link.node.count_publishers(self._name(names.EPISODES)) > 0, 5.0, 0.01
         )
         run = (await self.ask.coroutine(Play, names.PLAY, episodes=episodes, seed=seed)).run
-        at_rest = self._at_rest()
+        rest = Rest(self)
 
         def played() -> list[Episode]:
             """Return the run's episodes as first reported; a restarted world repeats some."""
@@ -382,13 +366,8 @@ class WorldClient(SwarmListener):
             cycle = self._cycle
 
             def ended(known: int = len(self.episodes), seen: int = seen) -> bool:
-                if (status := at_rest()) and status.held and len(self.episodes) == known:
-                    why, ways = _why_at_rest(status)
-                    raise SwarmError(
-                        f"the world rests after {seen} of {episodes} episodes, at cycle "
-                        f"{status.cycle}: {why}",
-                        *ways,
-                    )
+                if (status := rest.look()) and status.held and len(self.episodes) == known:
+                    raise rest.error(f"the world has played {seen} of {episodes} episodes")
                 return len(self.episodes) > known
 
             # In real time, a long episode is not a stall either.
@@ -408,10 +387,3 @@ class WorldClient(SwarmListener):
             return f"; no node answers for {', '.join(self.missing)}"
         problem = self.status.last_error if self.status is not None else ""
         return f"; the world reports: {problem}" if problem else ""
-
-
-def _why_at_rest(status: WorldStatus) -> tuple[str, Sequence[Remedy]]:
-    """Return why a world rests that was to play, and the way out."""
-    if status.held:
-        return status.held, [Fix.RESUME_WORLD()]
-    return status.last_error or "it was paused", remedies_of(status.remedies)

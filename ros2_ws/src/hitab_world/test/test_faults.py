@@ -2,166 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-from collections.abc import Callable, Iterator
-from typing import Any
-
-import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hitab_msgs import msg, srv
-from rclpy.task import Future
 
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_ros.nodes.diagnostics import Level
-from hitab_ros.nodes.guarded_node import GuardedNode
-from hitab_ros.nodes.spinning import Spinner, spinner
-from hitab_ros.ros_domains import reserved_domain
-from hitab_world.node.world_node import WorldNode
-
-AGENTS = ("a", "b")
-SECONDS = 60.0
-
-
-class Broken:
-    """A world in which that fails which a test says."""
-
-    name = "broken"
-    agents = AGENTS
-    cycle_seconds = 0.1
-    size = (10.0, 10.0)
-    ended = ""
-
-    def __init__(self) -> None:
-        self.seed = self.episode = self.cycle = self.episode_cycle = 0
-        self.refused: dict[str, str] = {}
-        self.looks: dict[str, Any] = {}
-        self.broken: set[str] = set()
-        self.acted: set[str] = set()
-
-    def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        self.seed = self.seed if seed is None else seed
-
-    def percept(self, agent: str) -> tuple[list[float], list[str]]:
-        if agent in self.broken:
-            raise IndexError(f"no percept for {agent}")
-        return [1.0], []
-
-    def step(self, actions: Any) -> str | None:
-        if "step" in self.broken:
-            raise ZeroDivisionError("the physics")
-        self.acted = set(actions)
-        self.cycle += 1
-        return None
-
-    def entities(self) -> list[Any]:
-        if "entities" in self.broken:
-            raise KeyError("entities")
-        return []
-
-
-class Running:
-    """The node of a world, run by its own loop, and one that talks to it.
-
-    Attributes:
-        waiting: agents that wait for a dead commander in the first round after one in which they
-            only look, as `RoundGate` has them do.
-        slow: whether the agents need longer for their answers than anything else here takes.
-    """
-
-    def __init__(self, spinning: Spinner) -> None:
-        self.slow = False
-        self.waiting: set[str] = set()
-        self.looked: set[str] = set()
-        self.world = Broken()
-        self.spinning = spinning
-        self.node = WorldNode(lambda node, seed: self.world)
-        self.node.control.pace = "lockstep"
-        self.peer = GuardedNode("peer")
-        self.status = msg.WorldStatus()
-        spinning.executor.add_node(self.node)
-        spinning.executor.add_node(self.peer)
-        self.node.join()
-        self.answers = {
-            agent: self.peer.create_publisher(msg.Action, f"/{names.ACTIONS}", qos.CYCLE)
-            for agent in AGENTS
-        }
-        for agent in AGENTS:
-            self.peer.create_subscription(
-                msg.Percept,
-                f"/{agent}/{names.PERCEPT}",
-                lambda percept, agent=agent: self._answer(agent, percept),
-                qos.CYCLE,
-            )
-        self.peer.create_subscription(msg.WorldStatus, f"/{names.STATUS}", self._hear, qos.LATCHED)
-        # One timer for all waits: that of an earlier wait may still be called once destroyed.
-        self.look: Callable[[], None] = lambda: None
-        self.peer.create_timer(0.01, lambda: self.look())
-
-    def _answer(self, agent: str, percept: msg.Percept) -> None:
-        if self.slow:
-            return
-        if percept.look:
-            self.looked |= self.waiting
-        elif agent in self.looked:
-            self.looked.discard(agent)
-            return
-        action = msg.Action(agent=agent, sequence=percept.sequence, values=[1.0])
-        self.answers[agent].publish(action)
-
-    def _hear(self, status: msg.WorldStatus) -> None:
-        self.status = status
-
-    def until(self, condition: Callable[[], Any]) -> None:
-        """Run the world until a condition holds."""
-        clock = self.peer.get_clock()
-        end = clock.now().nanoseconds + int(SECONDS * 1e9)
-        held = False
-
-        def look() -> None:
-            nonlocal held
-            held = bool(condition())
-            if held or clock.now().nanoseconds > end:
-                self.spinning.stop()
-
-        self.look = look
-        self.spinning.stopped = False
-        self.node.run(self.spinning)
-        assert held, f"it did not happen in time: {self.status}"
-
-    def plays(self) -> None:
-        """Wait until ten more cycles have been played with all agents."""
-        begun = self.world.cycle
-        self.until(lambda: self.world.cycle > begun + 10 and self.world.acted == {*AGENTS})
-
-    def call(self, kind: Any, name: str, request: Any) -> Future:
-        """Call a service of the world."""
-        client = self.peer.create_client(kind, f"/{name}")
-        self.until(client.service_is_ready)
-        return client.call_async(request)
-
-    def control(self, action: str, **fields: Any) -> srv.Control.Response:
-        """Control the world and return its answer."""
-        request = srv.Control.Request(action=action, **fields)
-        answer = self.call(srv.Control, names.CONTROL, request)
-        self.until(answer.done)
-        return answer.result()
-
-
-@contextlib.contextmanager
-def running_world(*arguments: str) -> Iterator[Running]:
-    with pytest.MonkeyPatch.context() as patch, reserved_domain() as number:
-        patch.setenv("ROS_DOMAIN_ID", str(number))
-        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        assert os.environ["ROS_DOMAIN_ID"]
-        with spinner(arguments) as spinning:
-            yield Running(spinning)
-
-
-@pytest.fixture
-def running() -> Iterator[Running]:
-    with running_world() as running:
-        yield running
 
 
 def test_a_world_whose_step_fails_pauses_and_says_why_until_a_step_succeeds(running):
@@ -178,7 +23,7 @@ def test_a_world_whose_step_fails_pauses_and_says_why_until_a_step_succeeds(runn
     running.until(lambda: not running.status.faults)
 
 
-def test_a_world_of_hosts_does_not_play_before_they_are_there():
+def test_a_world_of_hosts_does_not_play_before_they_are_there(running_world):
     with running_world("--ros-args", "-p", "hosts:=1") as running:
         peer, world = running.peer, running.node
         world.control.pace = "realtime"
@@ -270,7 +115,7 @@ def value_of(array: DiagnosticArray, key: str) -> str:
     return next(value.value for value in array.status[0].values if value.key == key)
 
 
-def test_an_emergency_stop_pauses_the_world_until_it_is_released(running: Running) -> None:
+def test_an_emergency_stop_pauses_the_world_until_it_is_released(running):
     told: list[msg.StopState] = []
     running.peer.create_subscription(
         msg.StopState, f"/{names.STOP_STATE}", told.append, qos.STREAM

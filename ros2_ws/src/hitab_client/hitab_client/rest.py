@@ -1,0 +1,46 @@
+"""Whether a world that should play rests, and why."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from hitab_msgs.msg import WorldState, WorldStatus
+
+from hitab_client.errors import SwarmError
+from hitab_core import Fix
+from hitab_ros.messages.conversions import remedies_of
+
+
+class HasStatus(Protocol):
+    """A client of a world, with its last status."""
+
+    status: WorldStatus | None
+
+
+class Rest:
+    """Finds whether a world rests too early, after a request to play.
+
+    Args:
+        world: client of the world.
+    """
+
+    def __init__(self, world: HasStatus) -> None:
+        self._world = world
+        self._seen = [world.status]
+
+    def look(self) -> WorldStatus | None:
+        """Return the last status if it was sent since the request and the world rests."""
+        status, seen = self._world.status, self._seen
+        if status is not seen[-1]:
+            seen.append(status)  # the first new status may have been sent before
+        if status is None or len(seen) < 3 or status.mode != WorldState.PAUSED:
+            return None
+        return status
+
+    def error(self, what: str) -> SwarmError:
+        """Return an error that tells where the world rests, why, and how it plays on."""
+        status = self._seen[-1]
+        assert status is not None
+        why = status.held or status.last_error or "it was paused"
+        ways = [Fix.RESUME_WORLD()] if status.held else remedies_of(status.remedies)
+        return SwarmError(f"{what}, but rests at cycle {status.cycle}: {why}", *ways)
