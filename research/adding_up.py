@@ -155,13 +155,14 @@ def main(
             holds = [f["holds"][""] for f in found]
             first = first or holds
             more = [a - b for a, b in zip(holds, first, strict=True)]
+            part = fmean(f["holds"]["command"] for f in found)
             print(
                 f"{times} times: {fmean(f['commands'] for f in found):.1f} commands, "
                 f"{sum(f['holds'][''] >= f['needed'] for f in found)} of {people} succeed, "
-                f"{fmean(holds):.2f} of own "
-                f"({fmean(more):+.2f} ± {stdev(more) / people**0.5:.2f}), without wrong commands {fmean(f['holds']['command'] for f in found):.2f}; "
-                f"trials after which a plan was better {sum(f['rises'] for f in found)}, "
-                f"worse {dict(sum((f['drops'] for f in found), Counter()))}"
+                f"{fmean(holds):.2f} of own ({fmean(more):+.2f} ± {stdev(more) / people**0.5:.2f})"
+                f", without wrong commands {part:.2f}; trials after which a plan was better "
+                f"{sum(f['rises'] for f in found)}, worse "
+                f"{dict(sum((f['drops'] for f in found), Counter()))}"
             )
 
 
