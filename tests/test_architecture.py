@@ -67,7 +67,7 @@ BUDGET = {
     "hitab_studio": 5450,
     "hitab_world": 1950,
     "keepaway_world": 1350,
-    "tests": 34750,
+    "tests": 34765,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

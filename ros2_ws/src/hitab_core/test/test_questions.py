@@ -303,7 +303,7 @@ def test_a_state_that_no_example_leaves_is_asked_about(shown: Driven) -> None:
     assert "Stop" in states
 
 
-def test_a_boolean_that_never_changed_in_a_state_that_nothing_leaves_is_asked_about(
+def test_a_boolean_is_asked_about_that_never_changed_in_a_state_that_nothing_leaves(
     tmp_path: Path,
 ) -> None:
     bump = Feature("Bump", lambda body: body.percept[1], FeatureKind.BOOLEAN)
@@ -312,31 +312,12 @@ def test_a_boolean_that_never_changed_in_a_state_that_nothing_leaves_is_asked_ab
     driven = Driven(tmp_path, "Position", "Bump", domain=domain)
     driven.show(0.0, "Stop")
     driven.show(1.0, "Right")
-    for place in (2.0, 3.0):
-        driven.at(place)
-    while (question := never_shown(driven)) is not None and not question.situation[1]:
-        driven.session.answer(question.number, dismiss=True)
-    assert question is not None
-    assert (question.state, question.situation, question.cycle) == ("Right", (1.0, 1.0), 0)
-    driven.session.answer(question.number, "Stop")
-    right = driven.session.automaton().transitions["Right"]
-    assert list(right.predict([[2.0, 0.0], [2.0, 1.0]])) == ["Right", "Stop"]
-    assert not [
-        q for q in driven.session.questions.find() if q.state == "Right" and q.situation[1]
-    ]
-
-
-def test_nothing_is_imagined_in_a_state_that_is_left(tmp_path: Path) -> None:
-    bump = Feature("Bump", lambda body: body.percept[1], FeatureKind.BOOLEAN)
-    position = Feature("Position", lambda body: body.percept[0])
-    domain = plain_domain("cart", {"Right": [1.0], "Stop": [0.0]}, [position, bump])
-    driven = Driven(tmp_path, "Position", "Bump", domain=domain)
-    driven.show(0.0, "Right")
-    driven.show(3.0, "Stop")
-    driven.show(2.0, "Right")
+    asked = []
     while (question := never_shown(driven)) is not None:
-        assert question.situation[1] == 0.0, question.text
+        asked.append(question)
         driven.session.answer(question.number, dismiss=True)
+    bumps = [(q.state, q.situation, q.cycle) for q in asked if q.situation[1]]
+    assert bumps == [("Right", (1.0, 1.0), 0)], "Stop is left, and in Right there was no bump"
 
 
 def turret(folder: Path) -> Driven:
