@@ -1,8 +1,9 @@
 """Measures whether a team gets better with each correction, and what spoiled it if it did not.
 
 Novices (`novices.py`) with the studio's defaults (`ways.STUDIO`) teach courses of several lengths.
-After each trial, what was learned so far is compared with what was intended (`agreement.py`). In
-the end the team plays, also without the examples that say what was not intended.
+After each trial, what was learned so far is compared with what was intended (`agreement.py`). The
+team plays with what its plans knew after parts of their trials, and in the end once more without
+the commands that say what was not intended.
 
     scripts/python research/adding_up.py --people 40 --jobs 2
 """
@@ -29,7 +30,7 @@ from simulated_people import Course
 from teachers import PAPER_S, SHARE, intention_of, own_hold_times, playing
 from ways import STUDIO
 
-from hitab_core import Automaton, Term
+from hitab_core import START, Automaton, Term
 from hitab_core.example import Example
 from hitab_core.learning import relearned
 from hitab_world import Placement
@@ -40,6 +41,9 @@ OWN_EPISODES = 200
 
 DROP = 0.15
 """A plan got worse that decides so much more otherwise, added up over the kinds of decisions."""
+
+PARTS = (0.25, 0.5, 0.75, 1.0)
+"""The team plays with what each plan knew after such parts of its trials."""
 
 Known = Mapping[str, Sequence[Example]]
 """The examples of each plan."""
@@ -107,7 +111,7 @@ def taught(number: int, times: int, episodes: int, seed: int) -> dict[str, Any]:
     pupil = Recorded(own_seed)
     person = Longer(intention, NOVICE, own_seed, ways=STUDIO)
     person.times = times
-    diary = person.train(pupil)
+    person.train(pupil)
     pupil.close()
     own, _ = own_hold_times(intention.name, OWN_EPISODES, seed + 7)
     plans = {plan.name: plan for plan in intention.plans}
@@ -117,13 +121,23 @@ def taught(number: int, times: int, episodes: int, seed: int) -> dict[str, Any]:
         automaton = learned(plans[name], known[name])
         return sum(objections(plans[name], automaton, records[name]).values())
 
-    def hold(left_out: str) -> float:
-        final = pupil.course[-1][1]
+    def part_of(plan: str, part: float) -> Sequence[Example]:
+        known = [known[plan] for name, known in pupil.course if name == plan]
+        return known[round(part * (len(known) - 1))] if known else ()
+
+    def hold(part: float, left_out: str = "") -> float:
+        known = {name: part_of(name, part) for name in plans}
+        if not all(any(e.state == START for e in examples) for examples in known.values()):
+            return 0.0
         team = {
-            n: learned(p, [e for e in final.get(n, ()) if not left_out or wrong(p, e) != left_out])
+            n: learned(p, [e for e in known[n] if not left_out or wrong(p, e) != left_out])
             for n, p in plans.items()
         }
         return fmean(playing(team, intention.plans[-1].name, seed + 7)(episodes, 0)) / own
+
+    def given(part: float) -> int:
+        examples = (e for name in plans for e in part_of(name, part))
+        return sum(bool(e.readings) and not e.is_default for e in examples)
 
     trials = [(name, known) for name, known in pupil.course[1:] if known[name]]
     drops, rises = Counter[str](), 0
@@ -133,10 +147,13 @@ def taught(number: int, times: int, episodes: int, seed: int) -> dict[str, Any]:
             rises += change < -DROP
             if change > DROP:
                 drops[between(plans[name], before[name], after[name])] += 1
-    holds = {origin: 0.0 if diary.failure else hold(origin) for origin in ("", "command")}
-    commands = diary.counts["commands"]
-    needed = max(PAPER_S / own, SHARE)
-    return {"holds": holds, "needed": needed, "commands": commands, "drops": drops, "rises": rises}
+    return {
+        "curve": [(given(part), hold(part)) for part in PARTS],
+        "without wrong commands": hold(1.0, "command"),
+        "needed": max(PAPER_S / own, SHARE),
+        "better": rises,
+        "worse": drops,
+    }
 
 
 def main(
@@ -152,17 +169,22 @@ def main(
         for times in longer or (1, 2):
             teach = partial(taught, times=times, episodes=episodes, seed=seed)
             found = list(pool.map(teach, range(people)))
-            holds = [f["holds"][""] for f in found]
+            for i, part in enumerate(PARTS):
+                holds = [f["curve"][i][1] for f in found]
+                print(
+                    f"{times} times as long, after {part:.0%}: "
+                    f"{fmean(f['curve'][i][0] for f in found):.1f} commands, "
+                    f"{sum(f['curve'][i][1] >= f['needed'] for f in found)} of {people} succeed, "
+                    f"{fmean(holds):.2f} ± {stdev(holds) / people**0.5:.2f} of own"
+                )
             first = first or holds
             more = [a - b for a, b in zip(holds, first, strict=True)]
-            part = fmean(f["holds"]["command"] for f in found)
+            without = fmean(f["without wrong commands"] for f in found)
             print(
-                f"{times} times: {fmean(f['commands'] for f in found):.1f} commands, "
-                f"{sum(f['holds'][''] >= f['needed'] for f in found)} of {people} succeed, "
-                f"{fmean(holds):.2f} of own ({fmean(more):+.2f} ± {stdev(more) / people**0.5:.2f})"
-                f", without wrong commands {part:.2f}; trials after which a plan was better "
-                f"{sum(f['rises'] for f in found)}, worse "
-                f"{dict(sum((f['drops'] for f in found), Counter()))}"
+                f"  more than the first: {fmean(more):+.2f} ± {stdev(more) / people**0.5:.2f}; "
+                f"without wrong commands {without:.2f}; trials after which a plan was better: "
+                f"{sum(f['better'] for f in found)}, worse: "
+                f"{dict(sum((f['worse'] for f in found), Counter()))}"
             )
 
 
