@@ -327,6 +327,23 @@ def test_a_state_that_no_example_leaves_is_asked_about(shown: Driven) -> None:
     assert "Stop" in states
 
 
+def test_a_boolean_is_asked_about_that_never_changed_in_a_state_that_nothing_leaves(
+    tmp_path: Path,
+) -> None:
+    bump = Feature("Bump", lambda body: body.percept[1], FeatureKind.BOOLEAN)
+    position = Feature("Position", lambda body: body.percept[0])
+    domain = plain_domain("cart", {"Right": [1.0], "Stop": [0.0]}, [position, bump])
+    driven = Driven(tmp_path, "Position", "Bump", domain=domain)
+    driven.show(0.0, "Stop")
+    driven.show(1.0, "Right")
+    asked = []
+    while (question := never_shown(driven)) is not None:
+        asked.append(question)
+        driven.session.answer(question.number, dismiss=True)
+    bumps = [(q.state, q.situation, q.cycle) for q in asked if q.situation[1]]
+    assert bumps == [("Right", (1.0, 1.0), 0)], "Stop is left, and in Right there was no bump"
+
+
 def turret(folder: Path) -> Driven:
     """Return what fires or waits by a bearing."""
     bearing = Feature("Bearing", lambda body: body.percept[0], FeatureKind.TOROIDAL, period=360.0)

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from hitab_core.advice.changed import decided
 from hitab_core.advice.evidence import Evidence
+from hitab_core.automaton import FLAGS
+from hitab_core.domain import Domain, FeatureKind
 from hitab_core.example import Example
 from hitab_core.training.percepts import PerceptRecord
 from hitab_core.training.trainer import Trainer
@@ -23,7 +25,8 @@ class Material:
         classifier: classifier that learns from them.
         labels: labels of the states, without Start.
         goals: labels of possible answers: the chosen states, or else those in the examples.
-        met: the situations: each with the state of that time, the feature values and the cycle.
+        met: the situations: each with the state of that time, the feature values and the cycle;
+            and imagined ones, of cycle 0, in which a state that nothing leaves may have to end.
     """
 
     def __init__(self, trainer: Trainer, situations: Iterable[PerceptRecord]) -> None:
@@ -37,6 +40,7 @@ class Material:
         # A commanded state met the situation of its command, too.
         entered = [e for e in self.examples if e.state != e.next_state]
         self.met += [(e.next_state, e.features, e.cycle) for e in entered]
+        self.met += self._imagined(domain)
         units = tuple(domain.feature(term.name).unit for term in chosen.features)
         scales, names = (
             tuple(map(domain.scale_of, chosen.features)),
@@ -55,6 +59,24 @@ class Material:
         if state not in self._evidence:
             self._evidence[state] = self.learnable(state, self.examples)
         return self._evidence[state]
+
+    def _imagined(self, domain: Domain) -> list[tuple[str, tuple[float, ...], int]]:
+        """Return situations that were not met, in which a state that nothing leaves may end.
+
+        In each, a boolean that was the same in all that was met is otherwise. Flags are left out:
+        most behaviors never raise them.
+        """
+        ends = {e.state for e in self.examples if e.next_state != e.state}
+        found = []
+        for state in (label for label in self.labels if label not in {*ends, *FLAGS}):
+            met = self.met_in(state)
+            for f, term in enumerate(self._features):
+                is_boolean = domain.scale_of(term).kind is FeatureKind.BOOLEAN
+                if is_boolean and term.name not in FLAGS and len({v[f] for v in met}) == 1:
+                    values = list(met[-1])
+                    values[f] = 1.0 - values[f]
+                    found.append((state, tuple(values), 0))
+        return found
 
     def learnable(self, state: str, examples: Sequence[Example]) -> Evidence:
         """Return the evidence for a state that some examples give."""
