@@ -205,7 +205,8 @@ def test_a_breakpoint_of_a_trained_behavior_holds_the_world_until_space_is_press
     swarm.world.control("resume")
     held = f"{ONE}: GoFast -> GoSlow"
     assert swarm.link.spin_until(lambda: swarm.world.status.held == held, 30.0)
-    watcher.page.wait_for_selector("text=GoFast -> GoSlow")
+    watcher.sees("held", "GoFast -> GoSlow")
+    watcher.page.wait_for_selector('[data-test="pause"][title^="Resume"]')
     cycle = swarm.world.status.cycle
     watcher.page.keyboard.press("Space")
     assert swarm.link.spin_until(lambda: swarm.world.status.cycle > cycle + 2, 10.0)
@@ -220,7 +221,8 @@ def test_a_command_three_seconds_late_by_going_back_learns_what_one_in_time_lear
     def learned() -> object:
         training = present_training(swarm)
         examples = [(e.state, tuple(e.features), e.next_state) for e in training.examples]
-        return sorted(examples), training.transitions
+        digests = {state: tree.digest() for state, tree in training.transitions.items()}
+        return sorted(examples), digests
 
     swarm.agents.do(ONE, Command("GoFast"))
     start = run(swarm, watcher, 5)

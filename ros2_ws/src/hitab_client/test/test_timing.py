@@ -30,3 +30,13 @@ def test_a_command_is_put_earlier_by_the_pace_of_the_world_even_while_it_is_paus
     assert earlier(world("paused", factor=2.0)) == pytest.approx(2 * EARLIER_SECONDS)
     still = SimpleNamespace(status=WorldStatus(mode="paused", pace="lockstep"), speed=0.0)
     assert earlier(still) == EARLIER_SECONDS
+
+
+def test_a_world_that_is_slower_while_an_agent_is_taught_slows_a_persons_time():
+    taught = WorldStatus(mode="running", pace="realtime", factor=2.0, teaching=0.5, taught=True)
+    assert simulated(0.3, taught) == pytest.approx(0.3)
+    still = WorldStatus(mode="paused", pace="realtime", factor=2.0, teaching=0.5, taught=True)
+    assert earlier(SimpleNamespace(status=still, speed=1.0)) == pytest.approx(EARLIER_SECONDS)
+    assert still.mode == "paused"
+    live = WorldStatus(mode="running", pace="realtime", factor=2.0, teaching=0.0, taught=True)
+    assert simulated(0.3, live) == pytest.approx(0.6), "it cannot be slowed down"
