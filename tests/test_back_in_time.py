@@ -244,7 +244,7 @@ def test_the_verb_goes_back_by_seconds_or_to_a_cycle(playing, hitab):
     world.control("resume")
     refused = hitab("back", "--to", str(last + 100_000))
     assert refused.returncode == 1
-    assert "is not one of the last minute of this episode (from" in refused.stderr
+    assert "is not one of the last minute of this episode; choose one from" in refused.stderr
     assert playing.link.spin_until(lambda: world.status.mode == "running", 10.0)
     assert hitab("back", "500").returncode == 1
     assert playing.link.spin_until(lambda: world.status.mode == "running", 10.0)

@@ -127,11 +127,12 @@ class LastMinute:
         world, oldest = self._world, self.oldest
         if self._why_not:
             raise HitabError(f"the world cannot go back, since {self._why_not}")
-        if not oldest or not oldest <= cycle <= world.cycle:
-            can = f"from {oldest} to {world.cycle}" if oldest else "none has been played yet"
+        if not oldest:
+            raise HitabError("the episode has no earlier cycle yet; let the world run first")
+        if not oldest <= cycle <= world.cycle:
             raise HitabError(
-                f"cycle {cycle} is not one of the last minute of this episode ({can}); choose "
-                "another one"
+                f"cycle {cycle} is not one of the last minute of this episode; choose one from "
+                f"{oldest} to {world.cycle}"
             )
         segments = [one for one in self._segments if one.cycle <= cycle]
         segment = segments[-1]
