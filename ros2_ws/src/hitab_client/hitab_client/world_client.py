@@ -200,7 +200,7 @@ class WorldClient(SwarmListener):
         if not to and before.oldest:  # else it refuses, whatever the cycle
             now = await self.shown.coroutine(await self.control.coroutine(requests.PAUSE))
             cycles_per_second = now.cycle / seconds_of(now.header.stamp)
-            to = max(1, round(now.cycle - seconds * cycles_per_second))
+            to = max(0, round(now.cycle - seconds * cycles_per_second))  # 0 is refused
         try:
             answer = await self.control.coroutine(requests.BACK, to=to)
         except SwarmError:

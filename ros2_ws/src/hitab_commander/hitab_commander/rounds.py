@@ -14,11 +14,15 @@ see `commander_link`.
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.kinds.kind_reader import TIME_MAX_S
 from hitab_core.orders import Report
+
+DECISIONS_MAX = 600
+"""How many cycles with decisions are kept, for a world that goes back: a minute at 10 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +57,7 @@ class Lockstep:
         self._news = True
         self._began_at = 0.0
         self._period = -1
+        self._decided = deque[int](maxlen=DECISIONS_MAX)
 
     @property
     def active(self) -> bool:
@@ -97,14 +102,20 @@ class Lockstep:
         A decision is due when something has changed, and at the commander's rate, counted in the
         subordinates' time from the beginning of the episode.
         """
-        if present.look:
-            self._news |= present.restart or present.back
-            return False
-        if present.restart:
+        if present.restart and not present.look:
             self._began_at = present.seconds
         seconds = present.seconds - self._began_at
         # Times are sums of cycles, so tolerate their rounding errors.
         period = int((seconds + 1.0 / TIME_MAX_S) * self._body.kind.rate)
+        if present.look:
+            self._news |= present.restart
+            if present.back:  # a decision is due again in this cycle if one was
+                self._news, self._period = present.cycle in self._decided, period
+            return False
         due = self._news or present.restart or period != self._period
         self._news, self._period = False, period
+        while self._decided and self._decided[-1] >= present.cycle:
+            self._decided.pop()
+        if due:
+            self._decided.append(present.cycle)
         return due and self._body.ready

@@ -14,7 +14,6 @@ from hitab_core import (
     BehaviorLibrary,
     Given,
     HandWritten,
-    Mode,
     Term,
     VocabularyError,
     plain_domain,
@@ -195,12 +194,22 @@ def test_going_back_in_a_training_keeps_its_examples_and_ends_its_percepts_there
     assert [p.cycle for p in session.history.past.kept] == list(range(1, 12))
 
 
-def test_what_began_later_is_in_start(world: World) -> None:
-    world.play(20)
+def test_what_was_performed_then_is_performed_again(world: World) -> None:
+    first = world.play(20)
     world.agent.perform(Term("Patrol"))
     world.play(30)
     world.back(10)
-    assert (world.agent.mode, world.agent.active_path) == (Mode.PERFORMING, ["Start"])
+    assert str(world.agent.top) == "Tour"
+    assert world.play(20) == first[9:]
+
+
+def test_what_a_changed_library_has_replaced_is_not_performed_again(world: World) -> None:
+    world.play(20)
+    world.agent.perform(Term("Patrol"))
+    world.agent.reload()
+    world.play(30)
+    world.back(10)
+    assert (str(world.agent.top), world.agent.active_path) == ("Patrol", ["Start"])
 
 
 def test_a_preview_is_what_the_learned_automaton_then_does(world: World) -> None:

@@ -245,6 +245,8 @@ class AgentNode(AgentBase):
         try:
             if percept.back:
                 agent.go_back(percept.cycle)
+                if self.superior is not None:
+                    self.superior.subordinate.went_back()
             agent.sense(
                 percept.values,
                 percept.heard,

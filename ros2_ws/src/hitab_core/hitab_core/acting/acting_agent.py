@@ -91,6 +91,10 @@ class ActingAgent(AgentLibrary):
     def _performed(self) -> Running | None:
         return self._performance if self.mode is Mode.PERFORMING else None
 
+    @property
+    def _performs(self) -> Term | None:
+        return self.top if self.mode is Mode.PERFORMING else None
+
     def sense(
         self,
         values: Sequence[float],
@@ -117,7 +121,7 @@ class ActingAgent(AgentLibrary):
         self.context.clock.now = time
         self.body.sense(values, heard)
         self.context.feature_cache.forget()
-        self.course.note(cycle, self.running)
+        self.course.note(cycle, self.running, self._performs)
         if self.session is not None and (session := self._trained) is not None:
             session.perceive(cycle, time, jumped=jumped)
 
@@ -132,14 +136,15 @@ class ActingAgent(AgentLibrary):
             self._performed.stop()
             self._performed.start()
         self.course.forget()
-        self.course.note(self.cycle, self.running)
+        self.course.note(self.cycle, self.running, self._performs)
 
     def go_back(self, cycle: int) -> None:
         """Be in the states in which the agent met the percept of an earlier cycle.
 
         The percept itself follows. Timers, flags and random numbers are those of then, percepts
-        from then on are forgotten, and a training's examples stay. What began later is in Start.
-        A body that remembers more than its last percept is not restored.
+        from then on are forgotten, and a training's examples stay. What is trained, if that began
+        later, is in Start, and so is what is performed, if the library has changed since. A body
+        that remembers more than its last percept is not restored.
         """
         if self.session is not None and (session := self._trained) is not None:
             session.go_back(cycle)
@@ -147,7 +152,22 @@ class ActingAgent(AgentLibrary):
         if cycle != self.cycle:  # else the breakpoint that it holds at would hold it for ever
             self.breakpoints.forget()
         self.cycle, self._shown_again = cycle, True
-        self.course.back(cycle)
+        moment, running = self.course.back(cycle), self.running
+        if running is None:
+            return
+        if moment is not None and moment.running is not running:
+            term = moment.term
+            if term is None or self._performances.get(term) is not moment.running:
+                moment = None
+            else:
+                running.stop()
+                self.top, self._performance = term, moment.running
+        if moment is None:
+            running.stop()
+            running.start()
+        else:
+            moment.running.restore(moment.memento)
+            self._draws.back(moment.draws)
 
     def tick(self) -> None:
         """Perform one timestep on the last percept.

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from hitab_core.acting.draws import Draws
 from hitab_core.running.run_context import Clock, Running
+from hitab_core.term import Term
 from hitab_core.training.past import PAST_SECONDS
 
 
@@ -22,12 +23,15 @@ class Moment(NamedTuple):
         cycle: the world's cycle.
         time: simulated time, s.
         draws: how many random numbers it had drawn.
+        running, term: what it performed; no term if it was trained.
         memento: the states of all levels; see `Running.memento`.
     """
 
     cycle: int
     time: float
     draws: int
+    running: Running
+    term: Term | None
     memento: Any
 
     @property
@@ -48,14 +52,23 @@ class Course:
         self._draws = draws
         self._moments: list[Moment] = []
         self._running: Running | None = None
+        self._term: Term | None = None
         self._noted = (-1, -1)
         self._again = False
 
-    def note(self, cycle: int, running: Running | None) -> None:
-        """Note what is performed when a percept is met, if that has changed."""
+    def note(self, cycle: int, running: Running | None, term: Term | None = None) -> None:
+        """Note what is performed when a percept is met, if that has changed.
+
+        Args:
+            cycle: the world's cycle.
+            running: what is performed or trained; None if nothing is.
+            term: the top-level behavior that is performed; None if something is trained.
+        """
         if running is not self._running:
-            self.forget()
-            self._running = running
+            if running is None or term is None or self._term is None:
+                self.forget()
+            self._noted = (-1, -1)
+            self._running, self._term = running, term
         noted = self._clock.changes, self._draws.count
         if noted == self._noted and not self._again:
             return
@@ -66,7 +79,7 @@ class Course:
         moments = self._moments
         del moments[bisect_left(moments, cycle, key=attrgetter("cycle")) :]
         now = self._clock.now
-        moments.append(Moment(cycle, now, self._draws.count, running.memento()))
+        moments.append(Moment(cycle, now, self._draws.count, running, term, running.memento()))
         # The last moment before the minute tells what was performed when it began.
         old = bisect_right(moments, now - PAST_SECONDS, key=attrgetter("time"))
         del moments[: max(0, old - 1)]
@@ -82,20 +95,8 @@ class Course:
         self._noted = (-1, -1)
 
     def back(self, cycle: int) -> Moment | None:
-        """Go back to a cycle: restore what was performed, and forget what came after.
-
-        What began later than that is in Start; the agent's body is not restored.
-
-        Returns:
-            The moment; None if it is not known.
-        """
-        moment, running = self.at(cycle), self._running
-        if running is not None and moment is None:
-            running.stop()
-            running.start()
-        elif running is not None and moment is not None:
-            running.restore(moment.memento)
-            self._draws.back(moment.draws)
+        """Forget a cycle and what came after; return what was performed then, None if unknown."""
+        moment = self.at(cycle)
         del self._moments[bisect_left(self._moments, cycle, key=attrgetter("cycle")) :]
         self._noted = (-1, -1)
         return moment

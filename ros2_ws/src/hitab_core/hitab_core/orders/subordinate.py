@@ -54,6 +54,7 @@ class Subordinate:
         self._reported_at = -math.inf
         self._reported_cycle = -1
         self._beaten = False
+        self._again = False
 
     # -- obeying ----------------------------------------------------------------------------
 
@@ -67,7 +68,8 @@ class Subordinate:
         """
         if self.round and not order.round:
             order = replace(order, sequence=0)
-        if self.order is not None and order.number <= self.order.number:
+        again, self._again = self._again, self._again and not order.sequence
+        if self.order is not None and order.number <= self.order.number and not again:
             return False
         self.order = order
         if order.report != self._asked:
@@ -77,7 +79,7 @@ class Subordinate:
             return True  # a commander that has ordered nothing yet: continue
         behavior = order.behavior_for(self.agent.name, self.role)
         running = self.agent.running
-        if running is not None:
+        if running is not None and not again:
             running.raised.clear()
         if behavior is None:
             self.waits, self.refusal = False, ""
@@ -85,6 +87,10 @@ class Subordinate:
             self.ordered, self.waits = behavior, True
             self.settle()
         return True
+
+    def went_back(self) -> None:
+        """Take the order in force when it comes again: the agent now performs what it did then."""
+        self._again = True
 
     def settle(self) -> bool:
         """Carry out a pending order if nothing prevents it; return whether it was carried out."""
@@ -189,7 +195,8 @@ class Subordinate:
     def _doing(self) -> tuple[Any, ...]:
         """Return the report's fields without values and times, which change all the time."""
         agent = self.agent
-        epoch, sequence = self.order.number if self.order is not None else (0, 0)
+        has_order = self.order is not None and not self._again
+        epoch, sequence = self.order.number if self.order is not None and has_order else (0, 0)
         path: tuple[str, ...] = ()
         if agent.mode is not Mode.IDLE and not self.stopped:
             inside = self.order is not None and self.order.report_states
