@@ -87,6 +87,10 @@ def test_a_world_that_goes_back_plays_the_same_again(kind, values):
                 place()
             play(last - world.cycle)
             assert {c: snapshots[c] for c in first} == first
+        place()
+        placed = world.snapshot()
+        minute.go_back(world.cycle)
+        assert world.snapshot() == placed, "what was placed in the present cycle stays"
 
 
 # -- swarms ---------------------------------------------------------------------------------------

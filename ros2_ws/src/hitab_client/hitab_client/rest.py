@@ -26,20 +26,20 @@ class Rest:
 
     def __init__(self, world: HasStatus) -> None:
         self._world = world
-        self._seen = [world.status]
+        self._last, self._new = world.status, 0
 
     def look(self) -> WorldStatus | None:
         """Return the last status if it was sent since the request and the world rests."""
-        status, seen = self._world.status, self._seen
-        if status is not seen[-1]:
-            seen.append(status)  # the first new status may have been sent before
-        if status is None or len(seen) < 3 or status.mode != WorldState.PAUSED:
+        status = self._world.status
+        self._new += status is not self._last
+        self._last = status
+        if status is None or status.mode != WorldState.PAUSED:
             return None
-        return status
+        return status if self._new > 1 else None  # the first one may have been sent before
 
     def error(self, what: str) -> SwarmError:
         """Return an error that tells where the world rests, why, and how it plays on."""
-        status = self._seen[-1]
+        status = self._last
         assert status is not None
         why = status.held or status.last_error or "it was paused"
         ways = [Fix.RESUME_WORLD()] if status.held else remedies_of(status.remedies)

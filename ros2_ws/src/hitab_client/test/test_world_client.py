@@ -1,5 +1,6 @@
 """Errors for a world that does not answer: reasons and remedies."""
 
+import weakref
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -9,6 +10,7 @@ from hitab_msgs.msg import Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Play
 
 from hitab_client.errors import SwarmError
+from hitab_client.rest import Rest
 from hitab_client.runs.run_folder import RunRecord
 from hitab_client.runs.run_processes import RunProcesses
 from hitab_client.world_client import WorldClient
@@ -104,3 +106,18 @@ def test_an_episode_counts_as_first_told_though_a_restarted_world_repeats_it():
     world.status, world.state = WorldStatus(), WorldState()
     played = world.play(3, 5)
     assert [(e.number, e.reproducible) for e in played] == [(0, True), (1, True), (2, False)]
+
+
+class Status(SimpleNamespace):
+    """A status to which there can be weak references."""
+
+
+def test_who_waits_for_a_long_run_keeps_no_old_statuses():
+    world: Any = SimpleNamespace(status=Status(mode="running"))
+    rest = Rest(world)
+    first = weakref.ref(world.status)
+    for mode, is_resting in (("paused", False), ("running", False), ("paused", True)):
+        world.status = Status(mode=mode, cycle=7, held="a: Go")
+        assert bool(rest.look()) == is_resting, "the first new status may have been sent before"
+    assert first() is None
+    assert "rests at cycle 7: a: Go" in str(rest.error("it plays"))

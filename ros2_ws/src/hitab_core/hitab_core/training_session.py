@@ -144,6 +144,7 @@ class TrainingSession(Trainer):
         """Forget the percepts from a cycle on; the examples stay, and percepts follow again."""
         self.events.interrupted(self.running.active)
         self.history.back(cycle)
+        self.events.back(cycle)
         self._taken_over = False
 
     # -- after a crash, and with another library ----------------------------------------------

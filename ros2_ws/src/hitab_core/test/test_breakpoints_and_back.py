@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from hitab_core import (
     Agent,
     Automaton,
     BehaviorLibrary,
+    FeatureValueError,
     Given,
     HandWritten,
     Term,
@@ -136,6 +138,16 @@ def test_a_breakpoint_is_met_on_every_level_also_where_a_behavior_begins(world: 
     assert world.held == [(1, "cart: Start -> Patrol")], "the outermost first"
     world.agent.do(SetBreakpoints(["Start -> Wait"]))
     assert not world.ask()
+
+
+def test_who_fails_to_decide_after_a_hold_does_not_hold_for_ever(world: World) -> None:
+    world.agent.do(SetBreakpoints(["Go -> Done"]))
+    while world.ask():
+        pass
+    world.position = math.nan
+    with pytest.raises(FeatureValueError):
+        world.ask()
+    assert not world.agent.held
 
 
 def test_unknown_names_are_refused_naming_those_there(world: World) -> None:

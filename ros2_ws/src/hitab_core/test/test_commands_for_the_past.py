@@ -152,6 +152,18 @@ def test_what_a_test_did_is_corrected_in_the_state_of_that_time(course: Course) 
     assert course.agent.active_path == doing, "it was taken over since"
 
 
+@pytest.mark.parametrize(("back", "stays"), [(1, False), (10, True)])
+def test_going_back_keeps_what_was_commanded_before_and_forgets_the_rest(
+    course: Course, back: int, stays: bool
+) -> None:
+    course.play({7: "Right", 14: "Left"}, until=20)
+    course.agent.go_back(back)
+    course.cycle = back - 1
+    course.play({}, until=13)
+    course.command("Stay", 5)
+    assert course.agent.active_path == (["Right"] if stays else ["Stay"])
+
+
 def test_moments_before_an_episode_a_jump_or_the_last_minute_are_refused(course: Course) -> None:
     course.play({5: "Right"}, until=20)
     course.agent.sense([1.0], [], 21, 2.1, jumped=True)

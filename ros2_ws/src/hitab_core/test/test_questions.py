@@ -515,6 +515,9 @@ def test_answers_tell_which_part_of_what_was_met_they_change_and_what_would_be_d
     assert stays.states[0] == "Right"
     assert stops.states == ("Stop",)
     assert stops.cycles == (question.cycle,)
+    shown.agent.go_back(question.cycle)
+    again = shown.session.questions.get(question.number)
+    assert (again.situation, again.cycle) == (question.situation, 0), "it will be another cycle"
 
 
 @pytest.mark.parametrize("ago", ["0.00", "0.40"])

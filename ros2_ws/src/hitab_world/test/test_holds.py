@@ -50,6 +50,18 @@ def test_steps_that_are_left_end_where_an_agent_holds_the_world(running):
     assert (running.world.cycle, running.node.control.steps_left) == (begun, 0)
 
 
+def test_an_episode_that_begins_in_the_same_round_is_not_held():
+    answers = RoundAnswers(("ann",), lambda name: True)
+    world = SimpleNamespace(reset=lambda number, seed: None)
+    state = RunState(world, Control("realtime", 1.0, False), answers)
+    answers.begin(1)
+    answers.take("ann", 1, ([], ""), hold=HOLD)
+    state.back = True
+    state.begin_episode()
+    assert not answers.holds
+    assert (state.restart, state.back) == (True, False)
+
+
 def test_a_late_answer_holds_unless_the_world_has_stood_still_since():
     answers = RoundAnswers(("ann",), lambda name: True)
     answers.look()

@@ -99,6 +99,8 @@ class Breakpoints:
             decides: whether the agent decides, not a demonstrator.
         """
         met = ""
+        if not self._keeps:
+            self.held = ""  # also if the next decision fails
         if decides:
             changes = upcoming(running, draws.ahead())
             for source, to in changes:
@@ -110,8 +112,8 @@ class Breakpoints:
         # The number in a doubt changes from cycle to cycle.
         kind = UNSURE if met.startswith(UNSURE) else met
         is_new, self._met = bool(kind) and kind != self._met, kind
-        if is_new or not self._keeps:
-            self.held = met if is_new else ""
+        if is_new:
+            self.held = met
         return is_new
 
 

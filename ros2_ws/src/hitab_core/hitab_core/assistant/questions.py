@@ -81,6 +81,7 @@ class Questions:
         events.perceived.subscribe(self._meet)
         events.begun.subscribe(self._begin)
         events.changed.subscribe(self._see_change)
+        events.back.subscribe(self._go_back)
 
     def _meet(self, moment: PerceptRecord) -> None:
         values = (moment.readings[i] for i in self._discrete)
@@ -91,6 +92,11 @@ class Questions:
         if moment is not None:
             self._situations.forget_from(moment.time)
             self._meet(moment)
+
+    def _go_back(self, cycle: int) -> None:
+        """Search again: the cycles of open questions may show something else by then."""
+        self._situations.go_back(cycle)
+        self._about, self._others = None, []
 
     def _see_change(self, record: Mapping[str, Any]) -> None:
         if record["do"] == "dismiss":
@@ -135,7 +141,7 @@ class Questions:
         """Look for questions, for `find`, in steps between which something else can be done.
 
         The effects of answers to the first questions are computed, too. If the examples change
-        meanwhile, the search ends; begin another one.
+        meanwhile, or the world goes back, the search ends; begin another one.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: see `Evidence.learn`.
@@ -146,7 +152,7 @@ class Questions:
         examples = self._about
         for _ in self._search():
             yield
-            if self._log.examples is not examples:
+            if not self._log.examples is self._about is examples:
                 return
 
     def _search(self) -> Iterator[None]:

@@ -11,6 +11,7 @@ Source: J. S. Vitter, Random sampling with a reservoir, ACM Transactions on Math
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
+from dataclasses import replace
 from random import Random
 
 from hitab_core.training.percepts import PerceptRecord
@@ -54,6 +55,11 @@ class SituationSample:
     def news(self) -> tuple[int, int]:
         """Counter that changes with each new kind, and whenever the number met doubles."""
         return len(self._kinds), sum(self._seen.values()).bit_length()
+
+    def go_back(self, cycle: int) -> None:
+        """Have situations of later cycles count for no cycle: the world plays these again."""
+        for sample in self._kinds.values():
+            sample[:] = [m if m.cycle < cycle else replace(m, cycle=0) for m in sample]
 
     def forget_from(self, time: float) -> None:
         """Forget situations met from some time on, s."""

@@ -122,6 +122,7 @@ class TrainingEvents:
         changed: a step of the training, as the journal keeps it; also when it is resumed.
         decided: the label of the state that is active after a tick of the learned automaton.
         episode: another episode begins.
+        back: the world goes back to a cycle, and plays again from there.
         interrupted: the label of the state in which the person or something else intervened.
     """
 
@@ -131,4 +132,5 @@ class TrainingEvents:
     changed: Event[[Mapping[str, Any]], None] = field(default_factory=Event)
     decided: Event[[str], None] = field(default_factory=Event)
     episode: Event[[], None] = field(default_factory=Event)
+    back: Event[[int], None] = field(default_factory=Event)
     interrupted: Event[[str], None] = field(default_factory=Event)

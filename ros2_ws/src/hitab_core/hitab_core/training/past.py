@@ -31,13 +31,24 @@ class Past:
 
     Attributes:
         kept: the percepts, oldest first; at most one for each cycle.
-        intervened: time of the last percept for which somebody commanded, or at which somebody
-            tested or took over, s.
     """
 
     def __init__(self) -> None:
         self.kept: list[PerceptRecord] = []
-        self.intervened = -1.0
+        self._interventions: list[float] = []
+
+    @property
+    def intervened(self) -> float:
+        """The time of the last intervention, s; -1 if there was none."""
+        return max(self._interventions, default=-1.0)
+
+    def intervene(self, time: float) -> None:
+        """Note that somebody commanded for a percept, or tested or took over at it.
+
+        Args:
+            time: of the percept, s.
+        """
+        self._interventions.append(time)
 
     def add(self, percept: PerceptRecord, step: float) -> None:
         """Keep a percept, in place of those of its cycle and later ones.
@@ -58,13 +69,13 @@ class Past:
     def forget(self) -> None:
         """Forget all percepts: none of them leads to the next one."""
         self.kept = []
-        self.intervened = -1.0
+        self._interventions = []
 
     def back(self, cycle: int) -> None:
         """Forget the percepts from a cycle on, which the world will show again."""
         del self.kept[bisect_left(self.kept, cycle, key=CYCLE) :]
-        if self.kept and self.intervened > self.kept[-1].time:
-            self.intervened = -1.0
+        last = self.kept[-1].time if self.kept else -1.0
+        self._interventions = [time for time in self._interventions if time <= last]
 
     def at(self, cycle: int) -> PerceptRecord:
         """Return the percept of a cycle; of a robot that is too fast to keep all, the one before.

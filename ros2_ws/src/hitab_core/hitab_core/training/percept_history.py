@@ -133,7 +133,7 @@ class PerceptHistory:
             readings = as_entered(self.readable, moment.readings, seconds)
             return replace(moment, state=label, readings=readings)
 
-        self.past.intervened = due.time
+        self.past.intervene(due.time)
         self._kept = [entered(m) if m.time > due.time else m for m in self._kept]
         self._entered = entered(due)
 
@@ -147,7 +147,7 @@ class PerceptHistory:
 
     def intervened(self, state: str) -> None:
         """Note that somebody intervened in a state, which commands for the past do not undo."""
-        self.past.intervened = self.time
+        self.past.intervene(self.time)
 
     def begin(self) -> None:
         """Forget earlier percepts, which have no connection with later ones."""
@@ -250,13 +250,6 @@ class PerceptHistory:
                 until = moments[place].time + seconds
                 return [moment for moment in moments[place:] if moment.time <= until]
         return ()
-
-    def _since_entered(self) -> Sequence[PerceptRecord]:
-        """Return the moments at which a command can be due, after that of the previous command."""
-        entered = self._entered
-        if entered is None:
-            return self._kept
-        return (entered, *(moment for moment in self._kept if moment.time > entered.time))
 
     def in_moment(self, moment: PerceptRecord, features: Sequence[Term]) -> tuple[float, ...]:
         """Return the values of features in a moment; NaN where there is none."""

@@ -134,6 +134,8 @@ class LastMinute:
                 f"cycle {cycle} is not one of the last minute of this episode; choose one from "
                 f"{oldest} to {world.cycle}"
             )
+        if cycle == world.cycle:
+            return  # what was placed in it stays
         segments = [one for one in self._segments if one.cycle <= cycle]
         segment = segments[-1]
         present = world.snapshot()

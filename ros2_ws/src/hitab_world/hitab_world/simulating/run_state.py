@@ -87,9 +87,10 @@ class RunState:
         self.begin_episode()
 
     def mark_restart(self) -> None:
-        """Make the agents begin at Start with the next percept."""
-        self.restart = True
-        self.disturbed = True
+        """Make the agents begin at Start with the next percept, whatever they have held for."""
+        self.round_answers.holds.clear()
+        self.restart = self.disturbed = True
+        self.back = False
 
     def change(self) -> None:
         """Mark the world as changed from outside: show it to the agents and save it."""
