@@ -232,7 +232,8 @@ class WorldNode(GuardedNode):
         if lockstep and self.control.steps_left:
             self._wait_for_stepped(spinning)
         if holds := self.round_answers.holds:
-            run_state.hold(some(list(holds.values()), NAMED_MAX, "; "))
+            reasons = [holds[name] for name in sorted(holds)]
+            run_state.hold(some(reasons, NAMED_MAX, "; "))
             return
         if run_state.disturbed or spinning.stopped:
             return  # the answers belong to an earlier situation
