@@ -22,7 +22,10 @@ export function drawMinute(field) {
     return;
   }
   const high = TOP * 2 + minute.rows.length * (ROW + GAP);
-  canvas.style.height = `${high}px`;
+  if (canvas.style.height !== `${high}px`) {
+    canvas.style.height = `${high}px`;
+    if (field.view.fitted) field.fit();
+  }
   canvas.width = Math.max(1, canvas.clientWidth * field.ratio);
   canvas.height = high * field.ratio;
   const c = canvas.getContext("2d");
