@@ -144,7 +144,7 @@ def test_strip_and_field_stay_where_they_are_while_a_person_looks_back(swarm, wa
     watcher.sees("continue-from")
     assert seen() == before
     watcher.drags(ONE, 3.0, 3.0)
-    watcher.page.wait_for_selector("text=nothing can be moved")
+    watcher.page.wait_for_selector("text=so nothing can be moved")
     assert entity(swarm, ONE).x < 0.0
     watcher.page.keyboard.press("Escape")
     watcher.does_not_see("continue-from")

@@ -58,7 +58,7 @@ async def place(page: Page, data: Data) -> None:
     if page.time.past is not None:
         page.show_again()
         raise SwarmError(
-            "This moment is past, where nothing can be moved: press Esc to return to now, or Enter "
+            "This moment is past, so nothing can be moved: press Esc to return to now, or Enter "
             "to continue from here."
         )
     things = {
