@@ -224,5 +224,14 @@ def test_a_robot_is_seen_on_its_map_with_its_camera_and_nothing_asks_for_a_world
     person.waits_until(moves_again, "it may act", SECONDS)
     person.click("camera-caption")
     page.wait_for_selector("#camera canvas", state="hidden")
+    # Nothing can be held at a breakpoint.
+    person.click("new")
+    person.type("new-name", "Turn")
+    person.tick("feature-Bumped")
+    person.click("begin")
+    person.sees("mode", "Training")
+    person.click("do-TurnLeft")
+    person.click("tab-learned")
+    person.sees("stops", "Say it at")
     assert page.locator(".message.bad").count() == 0
     assert person.complaints == []

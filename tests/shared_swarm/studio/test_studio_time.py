@@ -82,6 +82,26 @@ def test_a_key_commands_for_the_moment_that_is_shown(swarm, watcher):
 
 
 @needs_browser
+def test_a_person_who_pauses_the_running_world_commands_for_a_moment_before_that(swarm, watcher):
+    swarm.agents.do(ONE, Command("GoFast"))
+    start = swarm.world.state.cycle
+    swarm.world.control("resume")
+    assert swarm.link.spin_until(lambda: swarm.world.state.cycle >= start + 8, 20.0)
+    watcher.page.keyboard.press("Space")
+    assert swarm.link.spin_until(lambda: swarm.world.is_paused, 10.0)
+    last = int(swarm.world.status.cycle)
+    watcher.waits_until(lambda: minute(watcher, ".now") == last, "the strip is up to date")
+    for _ in range(4):
+        watcher.page.keyboard.press(",")
+    watcher.page.wait_for_function("cycle => studioField.minute.past === cycle", arg=last - 4)
+    watcher.sees("past", "commands it for this moment")
+    watcher.click("do-Stop")
+    watcher.does_not_see("past")
+    examples = present_training(swarm).examples
+    assert [e.cycle for e in examples if e.next_state == "Stop" and not e.is_default] == [last - 4]
+
+
+@needs_browser
 def test_the_strip_is_dragged_and_left_with_escape(swarm, watcher):
     swarm.agents.do(ONE, Command("GoFast"))
     last = run(swarm, watcher, 40)
@@ -106,10 +126,38 @@ def test_the_strip_is_dragged_and_left_with_escape(swarm, watcher):
 
 
 @needs_browser
+def test_strip_and_field_stay_where_they_are_while_a_person_looks_back(swarm, watcher):
+    def seen() -> Any:
+        return watcher.page.evaluate("""() => {
+            const { canvas: { height }, view: { scale, x, y } } = studioField;
+            const strip = document.getElementById("minute");
+            return [strip.clientHeight, strip.isSameNode(window.strip), height, scale, x, y];
+        }""")
+
+    swarm.agents.do(ONE, Command("GoFast"))
+    last = run(swarm, watcher, 5)
+    watcher.waits_until(lambda: minute(watcher, ".now") == last, "the strip is up to date")
+    watcher.page.evaluate("window.strip = document.getElementById('minute')")
+    before = seen()
+    watcher.page.keyboard.press(",")
+    watcher.sees("past", "GoFast")
+    watcher.sees("continue-from")
+    assert seen() == before
+    watcher.drags(ONE, 3.0, 3.0)
+    watcher.page.wait_for_selector("text=so nothing can be moved")
+    assert entity(swarm, ONE).x < 0.0
+    watcher.page.keyboard.press("Escape")
+    watcher.does_not_see("continue-from")
+    watcher.page.wait_for_function("cycle => studioField.shown === cycle", arg=last)
+    assert seen() == before
+
+
+@needs_browser
 def test_the_first_key_freezes_the_world_and_the_second_one_chooses(swarm, watcher):
     watcher.page.check('[data-test="freezes"]')
     swarm.world.control("resume")
-    watcher.click("do-GoFast")
+    key = watcher.page.get_attribute('[data-test="do-GoFast"]', "data-hotkey")
+    watcher.page.keyboard.press(key)  # not meant for the box that was ticked
     watcher.sees("frozen")
     swarm.link.spin_until(lambda: swarm.world.is_paused, 10.0)
     assert swarm.world.is_paused
@@ -138,6 +186,7 @@ def test_an_agent_that_is_not_trained_learns_nothing_for_the_past(swarm, watcher
     run(swarm, watcher, 5)
     watcher.page.keyboard.press(",")
     watcher.sees("past")
+    assert "commands it for this moment" not in watcher.text("past")
     watcher.click("do-Stop")
     watcher.page.wait_for_selector("text=is not being trained")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from browsing import ONE, Person, away_from_everybody, entity, needs_browser
+from browsing import ONE, Person, away_from_everybody, entity, needs_browser, visitor
 
 from hitab_core.operations import DiscardTraining
 
@@ -24,6 +24,18 @@ LOOK = """() => {
   return { step, of, ring: middle("tutorial-ring"), spot: middle("tutorial-spot") };
 }"""
 """Returns the step, the name of what is in the ring, and where the rings are."""
+
+FREE = """() => {
+  const { of } = document.querySelector('[data-test="tutorial-ring"]').dataset;
+  const wanted = of ? `[data-test="${of}"]` : "#field";
+  return ["tutorial-ring", "tutorial-spot"].every((name) => {
+    const it = document.querySelector(`[data-test="${name}"]`);
+    if (it.hidden) return true;
+    const { x, y, width, height } = it.getBoundingClientRect();
+    return document.elementFromPoint(x + width / 2, y + height / 2)?.closest(wanted);
+  });
+}"""
+"""Returns whether a person can press what is in the rings."""
 
 
 class Follower:
@@ -53,6 +65,8 @@ class Follower:
 
     def _do(self, shown: dict[str, Any]) -> None:
         mouse = self.page.mouse
+        self.person.waits_until(lambda: self.page.evaluate(FREE), f"covered: {shown}")
+        shown = self.look()
         if shown["spot"]:
             mouse.move(*shown["ring"])
             mouse.down()
@@ -121,3 +135,28 @@ def test_who_presses_only_what_is_marked_saves_a_behavior_that_performs(swarm, p
         swarm.world.shown(swarm.world.place({ONE: {"x": x, "y": 0.0, "heading": heading}}))
         assert any(swarm.world.step(1) and at_the_ball() for _ in range(60)), (x, heading)
     swarm.world.control("pace", pace="realtime", factor=1.0)
+
+
+@needs_browser
+def test_in_a_small_window_nothing_covers_what_is_marked(swarm, chrome, url):
+    apart(swarm)
+    with visitor(chrome, url, viewport={"width": 800, "height": 600}) as someone:
+        someone.click("tutorial-start")
+        follower = Follower(someone, swarm)
+        follower.follow("arrange-2")
+        assert {"begin", "room", "command-0", "arrange-1", "slip", "mend"} <= {*follower.done}
+        swarm.agents.do(ONE, DiscardTraining())
+
+
+@needs_browser
+def test_the_tutorial_begins_again_when_a_person_says_so(swarm, person):
+    apart(swarm)
+    person.click("tutorial-start")
+    person.sees("tutorial-text", "Choose a keeper")
+    passed = '[data-tutorial*="slip"]'
+    person.page.evaluate("""() => studioTell("tutorial-skip", { name: "slip" })""")
+    person.page.wait_for_selector(passed, state="attached")
+    person.page.keyboard.press("?")
+    person.click("tutorial-again")
+    person.sees("tutorial-text", "Choose a keeper")
+    person.page.wait_for_selector(passed, state="detached")

@@ -96,6 +96,11 @@ def test_a_recording_is_to_be_closed_first(monkeypatch):
     assert step(keeper(), monkeypatch, player=replay) == "live"
 
 
+def test_a_moment_that_is_past_is_to_be_left_first(monkeypatch):
+    assert step(keeper(), monkeypatch, time=SimpleNamespace(past=object())) == "now"
+    assert step(keeper(), monkeypatch, time=SimpleNamespace(past=None)) == "open"
+
+
 def test_a_situation_that_no_lesson_asks_for_does_not_count_and_is_to_be_undone():
     early = Situation("TurnToBall", "", bearing=20.0)  # the ball was not behind yet
     assert taught(training(early)) == (0, True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from array import array
+from collections.abc import Collection, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,7 @@ class AgentNode(AgentBase):
         if shared is None:
             self.status.topic.open()  # others that start with this name have to see it
         self._sensed = False
+        self._values: Sequence[float] = ()
         self._seconds = 0.0
         self._hold = ""
         self._unsettled = True
@@ -253,9 +255,9 @@ class AgentNode(AgentBase):
                 percept.heard,
                 percept.cycle,
                 seconds,
-                # A paused world that shows its cycle again was changed.
-                jumped=percept.look and percept.cycle == agent.cycle,
+                jumped=self._is_changed(percept),
             )
+            self._values = percept.values
             if percept.restart:
                 agent.restart(percept.seed, percept.episode)
             self._sensed = True
@@ -264,6 +266,15 @@ class AgentNode(AgentBase):
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
             self.superior.round_begins(percept, seconds)
+
+    def _is_changed(self, percept: msg.Percept) -> bool:
+        """Whether something was changed meanwhile: a paused world shows its cycle again.
+
+        It also does so when it has just paused, with the same values as before.
+        """
+        if not percept.look or percept.cycle != self.agent.cycle:
+            return False
+        return array("d", percept.values).tobytes() != array("d", self._values).tobytes()
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""

@@ -23,7 +23,7 @@ async def recall(page: Page, data: Data) -> None:
 async def tutorial(page: Page, data: Data) -> None:
     """Open the tutorial where the person left, or again from its beginning."""
     page.close_dialog()
-    if data.get("again"):
+    if data.get("anew"):
         page.tutorial.passed.clear()
     page.tutorial.is_open = True
 

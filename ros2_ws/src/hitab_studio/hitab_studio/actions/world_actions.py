@@ -55,6 +55,12 @@ def _remember(page: Page) -> None:
 @action("place", repeats=True)
 async def place(page: Page, data: Data) -> None:
     """Place dragged things."""
+    if page.time.past is not None:
+        page.show_again()
+        raise SwarmError(
+            "This moment is past, so nothing can be moved: press Esc to return to now, or Enter "
+            "to continue from here."
+        )
     things = {
         str(name): {key: float(value) for key, value in where.items()}
         for name, where in data["things"].items()

@@ -5,7 +5,7 @@ import { cancelDrag, listen } from "./pointing.js";
 import { Robots } from "./robots.js";
 import { openStream } from "./stream.js";
 
-const ROOM = 122; // px; below the field, for two rows of behaviors
+const ROOM = 128; // px; between the field and the strip, for two rows of behaviors
 const ABOVE = 92; // px; above the field, for a banner and the legend
 const SMALL_HEIGHT = 500; // px; height below which the field is on a phone
 const BESIDE = 46; // px; at either side, for the buttons at the right
@@ -64,6 +64,8 @@ class Field {
 
   takeRoster(roster) {
     const { size, real } = this.roster;
+    const ground = ({ names, size, center }) => JSON.stringify([names, size, center]);
+    const before = ground(this.roster);
     if (roster.names.join() !== this.roster.names.join()) {
       this.cancelDrag(); // the index of the dragged thing is no longer valid
       this.before = this.now = null;
@@ -77,7 +79,8 @@ class Field {
     this.index = new Map(roster.names.map((name, i) => [name, i]));
     // The ground of real robots grows as they see more, but the field stays the same.
     const another = !real !== !roster.real || (!real && size[0] !== roster.size[0]);
-    if (this.view.fitted || another) this.fit();
+    // At another moment of the same things, the view stays the same.
+    if (another || (this.view.fitted && ground(this.roster) !== before)) this.fit();
     document.getElementById("field-empty")?.setAttribute("hidden", "");
   }
 
@@ -142,12 +145,11 @@ class Field {
 
   // Returns the heights of the overlay at the top and bottom, with room for some rows of behaviors.
   margins() {
-    const low = this.roster.real ? 0.36 : 0.25; // share of the window; more with a camera
     const high = (part) => document.querySelector(part)?.offsetHeight ?? 0;
     const small = this.height < SMALL_HEIGHT; // a phone has no room to spare
     const above = Math.max(small ? 0 : ABOVE, high(".notices") + (small ? 30 : ABOVE - 40));
-    const below = Math.max(small ? 0 : ROOM, high(".bottom") + 28, high("#camera") + 34);
-    return [Math.min(above, 0.25 * this.height), Math.min(below, low * this.height)];
+    const below = Math.max(small ? 0 : ROOM + high(".minute"), high(".bottom") + 28, high("#camera") + 34);
+    return [Math.min(above, 0.25 * this.height), Math.min(below, 0.36 * this.height)];
   }
 
   toScreen(x, y) {

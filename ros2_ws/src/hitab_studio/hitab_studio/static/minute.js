@@ -22,7 +22,10 @@ export function drawMinute(field) {
     return;
   }
   const high = TOP * 2 + minute.rows.length * (ROW + GAP);
-  canvas.style.height = `${high}px`;
+  if (canvas.style.height !== `${high}px`) {
+    canvas.style.height = `${high}px`;
+    if (field.view.fitted) field.fit();
+  }
   canvas.width = Math.max(1, canvas.clientWidth * field.ratio);
   canvas.height = high * field.ratio;
   const c = canvas.getContext("2d");
@@ -80,14 +83,14 @@ function momentAt(minute, canvas, event) {
   return minute.left + Math.min(Math.max(part, 0), 1) * (minute.right - minute.left);
 }
 
-function describe(minute, canvas, event) {
+function describe({ minute, replay }, canvas, event) {
   const at = momentAt(minute, canvas, event);
   const row = minute.rows[Math.floor((event.clientY - canvas.getBoundingClientRect().y - TOP) / (ROW + GAP))];
   const span = row?.spans.findLast((one) => one[0] <= at);
   const near = (row?.marks ?? []).filter((mark) => Math.abs(mark[0] - at) < 0.5 * minute.rate);
   const when = minute.cycles ? [`cycle ${Math.round(at)}`] : [];
-  const ago = `${((minute.now - at) / minute.rate).toFixed(1)} s ago`;
-  return [row?.name, span?.[3] || "in no state", ...near.map((mark) => mark[2]), ...when, ago].join(" · ");
+  const moment = replay ? `at ${at.toFixed(1)} s` : `${((minute.now - at) / minute.rate).toFixed(1)} s ago`;
+  return [row?.name, span?.[3] || "in no state", ...near.map((mark) => mark[2]), ...when, moment].join(" · ");
 }
 
 export function listenToMinute(field) {
@@ -106,7 +109,7 @@ export function listenToMinute(field) {
   });
   document.addEventListener("pointermove", (event) => {
     if (!isOn(event)) return;
-    if (!dragged) event.target.title = describe(field.minute, event.target, event);
+    if (!dragged) event.target.title = describe(field, event.target, event);
     else if (performance.now() - last > DRAG_MS) go(event);
   });
   document.addEventListener("pointerup", (event) => {

@@ -132,6 +132,8 @@ document.addEventListener("change", (event) => {
   const form = element.dataset.withForm !== undefined && element.closest("form");
   request(element.dataset.change, { ...dataOf(element), value, ...(form ? { values: valuesOf(form) } : {}) });
   if (element.type === "number") element.value = element.defaultValue; // until the server confirms the value
+  // As after a click on a button: the next key is meant for the page.
+  if (element.matches("select, [type=checkbox]:not(form *)") && !element.matches(":focus-visible")) element.blur();
 });
 
 // Typed text is sent once the person pauses or does something else.

@@ -6,6 +6,8 @@ const KEPT = "hitab-tutorial";
 const EVERY_MS = 100;
 const ABSENT_MAX = 10; // looks, before an optional step is left out
 const GAP = 12; // px between the card and what is marked
+const COVERED = ".top .bar, .emergency, .banner, .bottom > *, .notice, .dialog, .empty, .field-tools, .agent, .tabs";
+const MARK = 1e4; // how much worse it is to cover what is marked
 const GRIP = 15; // px; smallest radius of a ring in the field
 
 const ring = document.createElement("div");
@@ -18,7 +20,7 @@ document.body.append(ring, spot);
 
 let recalled = false;
 let written = "";
-let looked = ""; // the step whose mark was scrolled into view
+let looked = ""; // the step and its mark that was scrolled into view
 let absent = 0; // looks at which what an optional step marks was not there
 let place = null; // of the card, while it covers nothing
 
@@ -74,20 +76,21 @@ const overlap = (a, b) =>
 // Puts the card where it covers the least: beside what is marked, or in a corner of the field.
 function putCard(panel, card, marks) {
   const { width, height } = card.getBoundingClientRect();
-  const others = document.querySelectorAll(".emergency, .banner, .deck, .notice, .dialog, .empty, .field-tools");
+  const others = document.querySelectorAll(COVERED);
   const covered = [...others].filter((it) => it.getClientRects().length).map((it) => it.getBoundingClientRect());
   const cost = ([x, y]) => {
     const box = new DOMRect(x, y, width, height);
-    return marks.reduce((sum, it) => sum + 50 * overlap(box, it), 0) + covered.reduce((sum, it) => sum + overlap(box, it), 0);
+    return marks.reduce((sum, it) => sum + MARK * overlap(box, it), 0) + covered.reduce((sum, it) => sum + overlap(box, it), 0);
   };
   const inside = ([x, y]) => [
     Math.min(Math.max(x, 4), Math.max(4, innerWidth - width - 4)),
     Math.min(Math.max(y, 4), Math.max(4, innerHeight - height - 4)),
   ];
   const stage = document.getElementById("stage").getBoundingClientRect();
-  const low = (document.querySelector(".deck")?.getBoundingClientRect().top ?? stage.bottom) - height - GAP;
+  const low = (document.querySelector(".bottom")?.getBoundingClientRect().top ?? stage.bottom) - height - GAP;
   const corners = [[stage.left + GAP, low], [stage.right - width - GAP, low], [stage.left + GAP, stage.top + 100],
-    [stage.left + GAP, stage.bottom + GAP]]; // the last one on a small screen, below the field
+    [stage.left + GAP, stage.bottom + GAP], // on a small screen, below the field
+    [innerWidth, innerHeight]];
   const beside = marks.slice(0, 1).flatMap((it) => [
     [it.x, it.bottom + GAP], [it.x, it.y - height - GAP], [it.right + GAP, it.y], [it.x - width - GAP, it.y],
   ]);
@@ -121,8 +124,9 @@ function follow() {
   const { step } = card.dataset;
   absent = card.dataset.optional !== undefined && !element ? absent + 1 : 0;
   if (absent > ABSENT_MAX) request("tutorial-skip", { name: step });
-  if (looked !== step && (element || things.length)) {
-    looked = step;
+  const mark = `${step} ${ring.dataset.of}`;
+  if (looked !== mark && (element || things.length)) {
+    looked = mark;
     place = null;
     element?.scrollIntoView({ block: "nearest", inline: "nearest" });
   }

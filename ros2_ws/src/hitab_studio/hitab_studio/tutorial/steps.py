@@ -139,7 +139,7 @@ def _slipped(page: Page) -> bool:
 SLIP_AFTER = 2
 """Number of lessons before the mistake that the person makes to undo it."""
 
-KEYBOARD = "Keyboard: Tab to the field, > or < to choose, arrow keys to move."
+KEYBOARD = "Keyboard: Tab to the field, Page Up or Page Down to choose, arrow keys to move."
 
 
 def _lesson_steps(number: int, lesson: Situation) -> tuple[TutorialStep, TutorialStep]:
@@ -179,6 +179,12 @@ GROUND = (
         "This is a recording. Close it (Esc).",
         ('[data-do="replay-close"]',),
         lambda page: page.player is None,
+    ),
+    TutorialStep(
+        "now",
+        "You are looking back. Return to now (Esc) to go on.",
+        tests("present"),
+        lambda page: page.time.past is None,
     ),
     TutorialStep(
         "swarm",
@@ -318,7 +324,7 @@ AFTER = (
     ),
     TutorialStep(
         "back",
-        "Go back in time (comma) to see what it did, and why; Esc returns to now.",
+        "Go back in time (comma) to see what it did; Esc returns to now.",
         tests("cycle-back"),
         lambda page: False,
         once=True,
