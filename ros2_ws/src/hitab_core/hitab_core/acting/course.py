@@ -81,21 +81,17 @@ class Course:
         self._moments = []
         self._noted = (-1, -1)
 
-    def back(self, cycle: int) -> Moment | None:
+    def back(self, cycle: int) -> None:
         """Go back to a cycle: restore what was performed, and forget what came after.
 
         What began later than that is in Start; the agent's body is not restored.
-
-        Returns:
-            The moment; None if it is not known.
         """
         moment, running = self.at(cycle), self._running
-        if running is not None and moment is None:
-            running.stop()
-            running.start()
-        elif running is not None and moment is not None:
+        if moment is not None and running is not None:
             running.restore(moment.memento)
             self._draws.back(moment.draws)
+        elif running is not None:
+            running.stop()
+            running.start()
         del self._moments[bisect_left(self._moments, cycle, key=attrgetter("cycle")) :]
         self._noted = (-1, -1)
-        return moment
