@@ -272,8 +272,15 @@ class Agent(ActingAgent):
         self.under_way().take_over()
         self._go_on(Mode.TRAINING)
 
+    def hand_back(self) -> None:
+        """End a test or a performance, since the agent is unsure."""
+        if self.mode is Mode.TESTING:
+            self.take_over()
+        else:
+            self.perform(None)
+
     def _go_on(self, mode: Mode) -> None:
-        if self.mode not in (Mode.TRAINING, Mode.TESTING):
+        if self.trained is None:
             self._stop()
             self.under_way().restart()
         self.mode = mode

@@ -16,7 +16,6 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.running.mode import Mode
 from hitab_core.running.run_context import Clock, Running
 from hitab_core.running.seeding import agent_seed
-from hitab_core.term import Term
 from hitab_core.training_session import TrainingSession
 
 
@@ -57,12 +56,8 @@ class ActingAgent(AgentLibrary):
         if running is not None:
             running.stop()
 
-    def take_over(self) -> None:
-        """Give control to the demonstrator."""
-        raise NotImplementedError
-
-    def perform(self, term: Term | None) -> None:
-        """Perform a behavior as the top-level one; None to become idle."""
+    def hand_back(self) -> None:
+        """End a test or a performance, since the agent is unsure."""
         raise NotImplementedError
 
     @property
@@ -172,8 +167,9 @@ class ActingAgent(AgentLibrary):
             active.tick()
             return
         examples = () if trained is None else trained.examples
-        if not self.monitor.watch(active.tick, self.running, self.context, examples):
-            self._hand_back()
+        sure = self.monitor.watch(active.tick, self.running, self.context, examples)
+        if not sure and self.monitor.caution.when_unsure is WhenUnsure.HAND_BACK:
+            self.hand_back()
 
     def _holds(self) -> bool:
         """Return whether the world has to hold before the agent acts."""
@@ -197,12 +193,3 @@ class ActingAgent(AgentLibrary):
         """
         self.breakpoints.set = tuple(Breakpoint.parse(one, self.repertoire) for one in texts)
         self.breakpoints.forget()
-
-    def _hand_back(self) -> None:
-        """Hand back if the agent's caution says so."""
-        if self.monitor.caution.when_unsure is not WhenUnsure.HAND_BACK:
-            return
-        if self.mode is Mode.TESTING:
-            self.take_over()
-        else:
-            self.perform(None)
