@@ -57,7 +57,7 @@ BUDGET = {
     "hitab_cli": 3400,
     "hitab_client": 4650,
     "hitab_commander": 1150,
-    "hitab_core": 10500,
+    "hitab_core": 10550,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_machines": 1250,
@@ -67,7 +67,7 @@ BUDGET = {
     "hitab_studio": 5450,
     "hitab_world": 2150,
     "keepaway_world": 1350,
-    "tests": 35400,
+    "tests": 35500,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -173,6 +173,16 @@ def test_the_first_key_freezes_the_world_and_the_second_one_chooses(swarm, watch
     watcher.sees("frozen")
     watcher.page.keyboard.press("Escape")
     watcher.does_not_see("frozen")
+    watcher.waits_until(lambda: not swarm.world.is_paused and swarm.link.spin(0.02) is None, "on")
+    watcher.click("do-Stop")
+    watcher.sees("frozen")
+    swarm.world.control("resume")
+    watcher.does_not_see("frozen")
+    swarm.world.step(3)
+    watcher.click("do-GoSlow")
+    watcher.waits_until(lambda: len(present_training(swarm).examples) > 2, "the command was taken")
+    swarm.link.spin(0.5)
+    assert swarm.world.is_paused, "it was paused by somebody else, and rests"
     assert {e.next_state for e in present_training(swarm).examples} == {"GoSlow"}
     watcher.page.reload()
     watcher.click(f"agent-{ONE}")

@@ -11,13 +11,10 @@ from hitab_agent.node.guarded_tick import failing
 from hitab_agent.topics.automaton_message import automaton_message, training_message
 from hitab_core import (
     FLAGS,
-    NOTHING,
     OWN_FEATURES,
     Agent,
     BasicBehavior,
-    Earlier,
     Fix,
-    Mode,
     Term,
     TrainingError,
     earlier,
@@ -26,7 +23,6 @@ from hitab_core import (
 )
 from hitab_core.assistant import training_costs
 from hitab_core.library import difference
-from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
 from hitab_ros.messages.conversions import (
     feature_message,
@@ -62,13 +58,7 @@ class InspectionServices:
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
     ) -> srv.ReadFeatures.Response:
         agent, also = self._agent, [Term.parse(text) for text in request.also]
-        if request.cycle and request.cycle != agent.cycle:
-            then = earlier(agent, request.cycle, also)
-        else:
-            readings = live_features(agent.running, agent.context, also)
-            trained = agent.session if agent.mode in (Mode.TRAINING, Mode.TESTING) else None
-            preview = NOTHING if trained is None else trained.preview.now()
-            then = Earlier(agent.cycle, readings, agent.active_path, preview)
+        then = earlier(agent, request.cycle, also)
         answer.readings = [
             msg.Reading(automaton=automaton, feature=feature, value=value)
             for automaton, feature, value in then.readings

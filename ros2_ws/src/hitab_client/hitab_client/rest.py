@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
 
 from hitab_msgs.msg import WorldState, WorldStatus
 
@@ -11,26 +11,20 @@ from hitab_core import Fix
 from hitab_ros.messages.conversions import remedies_of
 
 
-class HasStatus(Protocol):
-    """A client of a world, with its last status."""
-
-    status: WorldStatus | None
-
-
 class Rest:
     """Finds whether a world rests too early, after a request to play.
 
     Args:
-        world: client of the world.
+        status: function that returns the last status of the world; None if there was none.
     """
 
-    def __init__(self, world: HasStatus) -> None:
-        self._world = world
-        self._last, self._new = world.status, 0
+    def __init__(self, status: Callable[[], WorldStatus | None]) -> None:
+        self._status = status
+        self._last, self._new = status(), 0
 
     def look(self) -> WorldStatus | None:
         """Return the last status if it was sent since the request and the world rests."""
-        status = self._world.status
+        status = self._status()
         self._new += status is not self._last
         self._last = status
         if status is None or status.mode != WorldState.PAUSED:

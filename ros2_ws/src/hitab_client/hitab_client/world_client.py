@@ -246,7 +246,7 @@ class WorldClient(SwarmListener):
             SwarmError: if a cycle takes longer.
         """
         last = (await self.control.coroutine(Control.Request.STEP, cycles=cycles)).cycle
-        rest = Rest(self)
+        rest = Rest(lambda: self.status)
 
         def rests() -> bool:
             """Raise if the world rests too early."""
@@ -350,7 +350,7 @@ class WorldClient(SwarmListener):
             lambda: self.link.node.count_publishers(self._name(names.EPISODES)) > 0, 5.0, 0.01
         )
         run = (await self.ask.coroutine(Play, names.PLAY, episodes=episodes, seed=seed)).run
-        rest = Rest(self)
+        rest = Rest(lambda: self.status)
 
         def played() -> list[Episode]:
             """Return the run's episodes as first reported; a restarted world repeats some."""

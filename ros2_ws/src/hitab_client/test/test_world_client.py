@@ -114,7 +114,7 @@ class Status(SimpleNamespace):
 
 def test_who_waits_for_a_long_run_keeps_no_old_statuses():
     world: Any = SimpleNamespace(status=Status(mode="running"))
-    rest = Rest(world)
+    rest = Rest(lambda: world.status)
     first = weakref.ref(world.status)
     for mode, is_resting in (("paused", False), ("running", False), ("paused", True)):
         world.status = Status(mode=mode, cycle=7, held="a: Go")

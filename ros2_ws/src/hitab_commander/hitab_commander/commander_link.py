@@ -137,8 +137,7 @@ class CommanderLink:
             elif not self._lockstep.active and report.agent in body.members:
                 restart |= self._begins_episode(report)
                 if report.back:
-                    self._agent.go_back(report.cycle)
-                    changed = True
+                    self._percept.back = changed = True
         if newest > body.number:
             body.outbid(newest)
         if self._lockstep.active:
@@ -257,7 +256,7 @@ class CommanderLink:
                 before = agent.active_path, agent.draws, agent.mode
                 self._node.take_in(percept, self.seconds)
                 self._node.answer(percept)
-                percept.restart = False
+                percept.restart = percept.back = False
                 # The next decision would be the same, unless something changes.
                 self.calm = agent.mode in CALM_MODES and RESERVED_NAMES.isdisjoint(before[0])
                 self.calm &= before == (agent.active_path, agent.draws, agent.mode)

@@ -206,6 +206,18 @@ def test_features_of_a_commander_are_features_of_a_subordinate_for_its_own(team)
     await_value(team, "X", 3.0, "general")
 
 
+def test_that_the_world_went_back_is_told_up_the_tree_in_real_time(team, monkeypatch):
+    team.commander("general", "commander: Top\norders: {Go: Rest}\n", ["chief"])
+    perceiving_crew(team, 2.0, 4.0, superior="general")
+    cycles: list[int] = []
+    monkeypatch.setattr(team.nodes["general"].agent, "go_back", cycles.append)
+    told = team.link.create_publisher(msg.Reports, f"/chief/{names.REPORTS}", qos.EVENTS)
+    team.until(told.get_subscription_count)
+    back = msg.Report(agent="a", mode="performing", path=["Search"], cycle=1, back=True)
+    told.publish(msg.Reports(reports=[back]))
+    team.until(lambda: cycles)
+
+
 def test_a_training_goes_on_after_the_commander_was_restarted(team):
     perceiving_crew(team, 1.0, 1.0)
     team.train("chief", "Plan", "MeanX")

@@ -1,6 +1,5 @@
 from . import codec as codec
 from . import operations as operations
-from .acting.earlier import Earlier as Earlier
 from .acting.earlier import earlier as earlier
 from .action_behavior import ActionBehavior as ActionBehavior
 from .action_behavior import ActionCall as ActionCall

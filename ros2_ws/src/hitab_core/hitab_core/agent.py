@@ -86,16 +86,10 @@ class Agent(ActingAgent):
             self.mode = Mode.TRAINING
 
     @property
-    def active_path(self) -> list[str]:
-        """Labels of the active states, outermost first."""
-        running = self.running
-        return running.active_path if running is not None else []
-
-    @property
     def behavior(self) -> str:
         """The top-level behavior, or the automaton being trained; empty if idle."""
-        if self._trained is not None:
-            return self._trained.curriculum.name
+        if self.trained is not None:
+            return self.trained.curriculum.name
         return "" if self.mode is Mode.IDLE or self.top is None else str(self.top)
 
     def remarks(self, *, look: bool = False) -> list[Remark]:
@@ -278,8 +272,15 @@ class Agent(ActingAgent):
         self.under_way().take_over()
         self._go_on(Mode.TRAINING)
 
+    def hand_back(self) -> None:
+        """End a test or a performance, since the agent is unsure."""
+        if self.mode is Mode.TESTING:
+            self.take_over()
+        else:
+            self.perform(None)
+
     def _go_on(self, mode: Mode) -> None:
-        if self.mode not in (Mode.TRAINING, Mode.TESTING):
+        if self.trained is None:
             self._stop()
             self.under_way().restart()
         self.mode = mode

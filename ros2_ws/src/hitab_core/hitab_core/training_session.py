@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Self
 
@@ -73,16 +73,10 @@ class TrainingSession(Trainer):
         self._loops = Loops(self)
         self._trial = TrialStatistics(self)
         self.preview = Previews(self)
-        guests: Sequence[Callable[[], None]] = (
-            self.late.subscribe,
-            self.questions.subscribe,
-            self._loops.subscribe,
-            self._trial.subscribe,
-            self.preview.subscribe,
-        )
-        for name, begin in zip(ASSISTANTS, guests, strict=False):
+        guests: tuple[Any, ...] = self.late, self.questions, self._loops, self._trial, self.preview
+        for name, guest in zip(ASSISTANTS, guests, strict=False):
             if name not in without:
-                begin()
+                guest.subscribe()
 
     # -- standing still ---------------------------------------------------------------------
 

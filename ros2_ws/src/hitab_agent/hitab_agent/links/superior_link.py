@@ -68,7 +68,7 @@ class SuperiorLink:
         if subordinate.refusal and subordinate.settle():
             self._ordered()  # the order may have been refused only for lack of a percept
             changed = True
-        if percept.look:
+        if percept.look or percept.back:
             # A person who arranges a paused world expects the commander to perceive the change.
             self._send(subordinate.report(back=percept.back))
         elif changed or subordinate.is_asked:

@@ -10,7 +10,7 @@ from hitab_msgs import msg
 from hitab_agent.links.robot_link import RobotStop
 from hitab_agent.node.guarded_tick import Action
 from hitab_agent.node.settings import AgentParameters
-from hitab_core import Agent
+from hitab_core import Agent, Mode
 from hitab_core.training.operation import Operation, Outcome
 from hitab_ros import GuardedNode
 from hitab_ros.nodes.diagnostics import Diagnosis, Level
@@ -30,6 +30,7 @@ class AgentBase(GuardedNode):
         training: publishes what it is being trained, a `TrainingTopic`.
         endpoints: its other topics and its services, an `AgentEndpoints`.
         stop: the stop of the agent's robot; None if it has none.
+        hold: why the world should hold, since the agent has not acted; empty if it need not.
         unreached: who is out of reach, and since when, so that it halts; empty if nobody is.
         has_robot: whether it perceives and acts, in a world or by the link of its domain; a
             commander does not.
@@ -45,7 +46,7 @@ class AgentBase(GuardedNode):
     training: Any
     endpoints: Any
     stop: RobotStop | None = None
-    unreached = ""
+    hold = unreached = ""
     has_robot = True
 
     def take_in(self, percept: msg.Percept, seconds: float) -> None:
@@ -63,12 +64,7 @@ class AgentBase(GuardedNode):
     @property
     def taught(self) -> bool:
         """Whether a demonstrator is in control, so that the world slows down."""
-        raise NotImplementedError
-
-    @property
-    def hold(self) -> str:
-        """Why the world should hold before the agent acts; empty if it need not."""
-        raise NotImplementedError
+        return self.agent.mode is Mode.TRAINING
 
     def awaited_orders(self) -> Collection[str]:
         """Return the commanders whose orders a lockstep round waits for."""

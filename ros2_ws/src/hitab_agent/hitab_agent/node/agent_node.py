@@ -104,7 +104,6 @@ class AgentNode(AgentBase):
         self._sensed = False
         self._values: Sequence[float] = ()
         self._seconds = 0.0
-        self._hold = ""
         self._unsettled = True
         self._link: Any = None
         self.actions: actions.ActionClients | None = None
@@ -279,9 +278,9 @@ class AgentNode(AgentBase):
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
         action, agent, status = NO_ACTION, self.agent, self.status.message
-        self._hold = ""
+        self.hold = ""
         if self._sensed and not percept.look and not self.unreached:
-            action, self._hold = self._tick.act(), agent.held
+            action, self.hold = self._tick.act(), agent.held
         elif self._sensed and (percept.restart or agent.active_path != self.status.path):
             self.status.publish()
         if self.stop is not None:
@@ -309,16 +308,6 @@ class AgentNode(AgentBase):
         if self.superior is not None and not percept.lockstep:
             self.superior.perceived(percept, self._seconds, changed=changed or percept.restart)
         return action
-
-    @property
-    def taught(self) -> bool:
-        """Whether a demonstrator is in control, so that the world slows down."""
-        return self.agent.mode is Mode.TRAINING
-
-    @property
-    def hold(self) -> str:
-        """Why the world should hold before the agent acts; empty if it need not."""
-        return self._hold
 
     # -- stop of its robot --------------------------------------------------------------------
 

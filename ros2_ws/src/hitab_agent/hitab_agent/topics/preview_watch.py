@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from hitab_agent.node.agent_base import AgentBase
 from hitab_agent.scheduler import Scheduler
-from hitab_core import Mode
+from hitab_core import TrainingSession
 from hitab_ros.timing import UPDATE_S
 
 
@@ -30,15 +31,14 @@ class PreviewWatch:
 
     def _look(self) -> None:
         for node in self._nodes:
-            if node.agent.mode in (Mode.TRAINING, Mode.TESTING) and node.status.is_read:
-                node.guard.run("looking what it would do next", self._see, node)
+            trained = node.agent.trained
+            if trained is not None and node.status.is_read:
+                doing = "looking what it would do next"
+                node.guard.run(doing, self._see, trained, node.status)
 
-    def _see(self, node: AgentBase) -> None:
-        session, status = node.agent.session, node.status
-        if session is None:
-            return
-        session.preview.learn()
-        now, before = session.preview.now(), status.preview
+    def _see(self, trained: TrainingSession, status: Any) -> None:
+        trained.preview.learn()
+        now, before = trained.preview.now(), status.preview
         now = replace(now, probability=round(now.probability, 1))
         if now.unsure and before.unsure:  # its distance changes with each percept
             now = replace(now, unsure=before.unsure)

@@ -57,12 +57,8 @@ class ActingAgent(AgentLibrary):
         if running is not None:
             running.stop()
 
-    def take_over(self) -> None:
-        """Give control to the demonstrator."""
-        raise NotImplementedError
-
-    def perform(self, term: Term | None) -> None:
-        """Perform a behavior as the top-level one; None to become idle."""
+    def hand_back(self) -> None:
+        """End a test or a performance, since the agent is unsure."""
         raise NotImplementedError
 
     @property
@@ -79,10 +75,16 @@ class ActingAgent(AgentLibrary):
     @property
     def running(self) -> Running | None:
         """The performed behavior, which may be in training, or None."""
-        return self._performed if self._trained is None else self._trained.running
+        return self._performed if self.trained is None else self.trained.running
 
     @property
-    def _trained(self) -> TrainingSession | None:
+    def active_path(self) -> list[str]:
+        """Labels of the active states, outermost first."""
+        running = self.running
+        return running.active_path if running is not None else []
+
+    @property
+    def trained(self) -> TrainingSession | None:
         """The training, unless it waits while something else is performed."""
         mode = self.mode  # `is` is much faster than a comparison of texts
         return self.session if mode is Mode.TRAINING or mode is Mode.TESTING else None
@@ -122,7 +124,7 @@ class ActingAgent(AgentLibrary):
         self.body.sense(values, heard)
         self.context.feature_cache.forget()
         self.course.note(cycle, self.running, self._performs)
-        if self.session is not None and (session := self._trained) is not None:
+        if self.session is not None and (session := self.trained) is not None:
             session.perceive(cycle, time, jumped=jumped)
 
     def restart(self, seed: int, episode: int) -> None:
@@ -130,8 +132,8 @@ class ActingAgent(AgentLibrary):
         self._episode_since = self.cycle
         self._draws.seed(agent_seed(seed, episode, self.name))
         self.breakpoints.forget()
-        if self._trained is not None:
-            self._trained.restart()
+        if self.trained is not None:
+            self.trained.restart()
         elif self._performed is not None:
             self._performed.stop()
             self._performed.start()
@@ -146,7 +148,7 @@ class ActingAgent(AgentLibrary):
         later, is in Start, and so is what is performed, if the library has changed since. A body
         that remembers more than its last percept is not restored.
         """
-        if self.session is not None and (session := self._trained) is not None:
+        if self.session is not None and (session := self.trained) is not None:
             session.go_back(cycle)
         self.monitor.forget()
         if cycle != self.cycle:  # else the breakpoint that it holds at would hold it for ever
@@ -175,7 +177,7 @@ class ActingAgent(AgentLibrary):
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        trained = None if self.mode is Mode.PERFORMING else self._trained
+        trained = None if self.mode is Mode.PERFORMING else self.trained
         active = self._performed if trained is None else trained
         if active is None:
             self.breakpoints.forget()
@@ -186,8 +188,9 @@ class ActingAgent(AgentLibrary):
             active.tick()
             return
         examples = () if trained is None else trained.examples
-        if not self.monitor.watch(active.tick, self.running, self.context, examples):
-            self._hand_back()
+        sure = self.monitor.watch(active.tick, self.running, self.context, examples)
+        if not sure and self.monitor.caution.when_unsure is WhenUnsure.HAND_BACK:
+            self.hand_back()
 
     def _holds(self) -> bool:
         """Return whether the world has to hold before the agent acts."""
@@ -197,14 +200,11 @@ class ActingAgent(AgentLibrary):
         return self._shown_again
 
     def _doubt(self) -> str:
-        trained = self._trained
+        trained, distance = self.trained, self.monitor.caution.distance or FAR
         if trained is not None and self.mode is Mode.TRAINING:
             return trained.preview.now().unsure
-        examples, distance = (
-            () if trained is None else trained.examples,
-            self.monitor.caution.distance,
-        )
-        return self.monitor.doubts(self.running, self.context, examples, distance or FAR)
+        examples = () if trained is None else trained.examples
+        return self.monitor.doubts(self.running, self.context, examples, distance)
 
     def break_at(self, texts: Sequence[str]) -> None:
         """Set the breakpoints; these replace earlier ones.
@@ -214,12 +214,3 @@ class ActingAgent(AgentLibrary):
         """
         self.breakpoints.set = tuple(Breakpoint.parse(one, self.repertoire) for one in texts)
         self.breakpoints.forget()
-
-    def _hand_back(self) -> None:
-        """Hand back if the agent's caution says so."""
-        if self.monitor.caution.when_unsure is not WhenUnsure.HAND_BACK:
-            return
-        if self.mode is Mode.TESTING:
-            self.take_over()
-        else:
-            self.perform(None)

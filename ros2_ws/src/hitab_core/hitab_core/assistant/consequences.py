@@ -6,7 +6,7 @@ Every answer is played on over the situations that were met, with the trees that
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 
 from hitab_core.advice.changed import Changed, changed, decided
@@ -23,12 +23,8 @@ PLAYED_SECONDS = 3.0
 """Simulated time for which an answer is played on, s: what comes of it is seen at a glance."""
 
 
-@dataclass
-class _Answered:
-    """An answer, and the decisions in the situations met of each state that it touches."""
-
-    choice: Choice
-    decisions: Mapping[str, Sequence[str]]
+Decisions = Mapping[str, Sequence[str]]
+"""The decisions in the situations met, by state."""
 
 
 def weighed(question: Question, given: Material, trainer: Trainer) -> Iterator[Question | None]:
@@ -38,7 +34,8 @@ def weighed(question: Question, given: Material, trainer: Trainer) -> Iterator[Q
         TrainingError: if an answer is not possible any more.
         FeatureValueError, VocabularyError, ValueError: see `Evidence.learn`.
     """
-    found: list[_Answered] = []
+    choices: list[Choice] = []
+    answered: list[Decisions] = []
     for choice in question.choices:
         edit = trainer.prepared(choice.record) or Edit()
         examples = trainer.log.after(edit)
@@ -64,18 +61,17 @@ def weighed(question: Question, given: Material, trainer: Trainer) -> Iterator[Q
             cycles=tuple(cycle for cycle, _ in runs),
             states=tuple(state for _, state in runs),
         )
-        found.append(_Answered(weighed_choice, decisions))
-    matters = _between(found[0], found[1], given) if len(found) > 1 else 0.0
-    yield replace(question, choices=tuple(one.choice for one in found), matters=matters)
+        choices.append(weighed_choice)
+        answered.append(decisions)
+    matters = _between(answered[0], answered[1], given) if len(choices) > 1 else 0.0
+    yield replace(question, choices=tuple(choices), matters=matters)
 
 
-def _between(one: _Answered, other: _Answered, given: Material) -> float:
+def _between(one: Decisions, other: Decisions, given: Material) -> float:
     """Return the part of the situations met that two answers decide otherwise."""
     differ = 0
-    for state in {*one.decisions, *other.decisions}:
-        ours, theirs = (
-            answered.decisions.get(state) or given.decisions(state) for answered in (one, other)
-        )
+    for state in {*one, *other}:
+        ours, theirs = (of.get(state) or given.decisions(state) for of in (one, other))
         differ += sum(map(str.__ne__, ours, theirs))
     return differ / max(1, len(given.met))
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from hitab_msgs.srv import Control
 
-from hitab_client import SwarmError
+from hitab_client import SwarmError, WorldClient
 from hitab_core.operations import SetBreakpoints
 from hitab_ros import names
 from hitab_studio.actions.operation_actions import carry_out, operation_of
@@ -45,7 +45,7 @@ async def continue_from(page: Page, data: Data) -> None:
         raise SwarmError(why)
     assert page.time.past is not None
     await _control(page, Control.Request.BACK, to=int(page.time.past.at))
-    page.time.frozen = False
+    page.time.frozen = None
     to_present(page)
     page.tell("The world is back there, and paused; Space lets it run")
 
@@ -77,17 +77,25 @@ async def frozen_now(page: Page) -> bool:
     time, world = page.time, page.studio.known.world
     if not time.freezes or not page.is_training or time.past is not None or world is None:
         return False
-    if time.frozen or not await page.ask_world(paused):
-        return False
-    time.frozen = True
-    return True
+
+    async def freeze(world: WorldClient) -> int | None:
+        return world.status.cycle if await paused(world) and world.status else None
+
+    if (cycle := await page.ask_world(freeze)) is not None:
+        time.frozen = cycle
+    return cycle is not None
 
 
 async def thaw(page: Page) -> None:
-    """Resume a world that a first key has paused."""
-    if page.time.frozen:
-        page.time.frozen = False
-        await page.ask_world(lambda world: world.control.coroutine("resume"))
+    """Resume the world if it still rests where a first key has paused it."""
+    cycle, page.time.frozen = page.time.frozen, None
+
+    async def resume(world: WorldClient) -> None:
+        if world.is_paused and world.status and world.status.cycle == cycle:
+            await world.control.coroutine("resume")
+
+    if cycle is not None:
+        await page.ask_world(resume)
 
 
 # -- breakpoints ----------------------------------------------------------------------------------

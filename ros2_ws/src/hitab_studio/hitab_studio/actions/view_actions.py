@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching_actions import discard, give_target, targets_meant
 from hitab_studio.actions.time_actions import thaw
-from hitab_studio.pages.looking_back import to_present
+from hitab_studio.pages.looking_back import is_frozen, to_present
 from hitab_studio.pages.page import Page
 
 REASON_LENGTH_MAX = 300
@@ -134,7 +134,7 @@ async def escape(page: Page, data: Data) -> None:
         page.shown_numbers = None
     elif page.time.past is not None:
         to_present(page)
-    elif page.time.frozen:
+    elif is_frozen(page):
         await thaw(page)
     elif page.player is not None:
         page.player = None

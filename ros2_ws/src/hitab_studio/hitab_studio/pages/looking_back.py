@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hitab_msgs.msg import WorldState
+
 from hitab_client import SwarmError
 from hitab_core import PAST_SECONDS
 from hitab_ros.answering import what_went_wrong
@@ -18,6 +20,8 @@ from hitab_studio.field.scene import frame, roster
 
 Page = Any
 """A page, whose module imports this one."""
+
+PAUSED = WorldState.PAUSED
 
 ROWS_MAX = 8
 """Maximum number of agents on the strip."""
@@ -61,12 +65,13 @@ class PageTime:
     Attributes:
         past: the moment that is shown; None for the present.
         freezes: whether the first key of a behavior pauses the world, and the second one chooses.
-        frozen: whether the first one was pressed.
+        frozen: the world's cycle in which the first one was pressed; None if it was not.
     """
 
     def __init__(self) -> None:
         self.past: PastMoment | None = None
-        self.freezes = self.frozen = False
+        self.freezes = False
+        self.frozen: int | None = None
         self._sent: tuple[Any, ...] = ()
         self._next_strip = 0.0
 
@@ -159,6 +164,12 @@ def previews(page: Page, names: Sequence[str]) -> dict[str, list[Any]]:
     return {
         name: [p.state, p.probability >= SURE, p.unsure] for name, p in found.items() if p.state
     }
+
+
+def is_frozen(page: Page) -> bool:
+    """Whether the world rests in the cycle in which a first key has paused it."""
+    world = page.studio.known.world
+    return world is not None and (world.mode, world.cycle) == (PAUSED, page.time.frozen)
 
 
 def look_back(page: Page, at: float, step: int = 0) -> None:

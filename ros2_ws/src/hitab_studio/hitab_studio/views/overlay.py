@@ -9,7 +9,14 @@ from hitab_core import FLAGS, START, BoundedNumber, Fix, Term, some
 from hitab_ros.names import WORLD
 from hitab_studio.actions.teaching_actions import targets_asked, targets_meant
 from hitab_studio.pages import unavailable
-from hitab_studio.pages.looking_back import SURE, path_of, preview_of, rows_shown, seconds_ago
+from hitab_studio.pages.looking_back import (
+    SURE,
+    is_frozen,
+    path_of,
+    preview_of,
+    rows_shown,
+    seconds_ago,
+)
 from hitab_studio.pages.page import Page
 from hitab_studio.pages.page_parts import TutorialProgress
 from hitab_studio.swarm.absence import absence, silent_machines
@@ -82,7 +89,7 @@ def _times(page: Page) -> dict[str, Any]:
         "path": path_of(page),
         "preview": preview_of(page),
         "held": held,
-        "frozen": page.time.frozen,
+        "frozen": is_frozen(page),
         "back_off": unavailable.going_back(page),
         "rows": rows_shown(page),
     }
