@@ -55,7 +55,7 @@ BUDGET = {
     "hitab_bringup": 3050,
     "hitab_class": 200,
     "hitab_cli": 3400,
-    "hitab_client": 4650,
+    "hitab_client": 4640,
     "hitab_commander": 1150,
     "hitab_core": 10550,
     "hitab_export": 900,
