@@ -84,6 +84,15 @@ def twice(cart: Driven) -> None:
     cart.show(5.0, "Stop")
 
 
+def test_nothing_is_asked_before_the_first_command(cart: Driven) -> None:
+    cart.at(1.0)
+    assert cart.kinds() == []
+    cart.show(2.0, "Right")
+    cart.session.undo()
+    cart.at(3.0)
+    assert cart.kinds() == []
+
+
 def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Driven) -> None:
     twice(cart)
     assert len(cart.session.questions.known()) == 1

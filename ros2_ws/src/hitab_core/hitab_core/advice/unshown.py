@@ -94,17 +94,17 @@ def unshown(
     Raises:
         FeatureValueError, VocabularyError, ValueError: see `Evidence.learn`.
     """
-    if not met:
-        return None
     shown = evidence.next_states
+    likely = [
+        label for label in dict.fromkeys([*shown, evidence.state, *labels]) if label != START
+    ]
+    if not met or not likely:  # nothing could be answered
+        return None
     situations = np.unique([evidence.placed(values) for values in met], axis=0, equal_nan=True)
     parts = _each_kind_once(situations, evidence)
     spread = _spread(evidence, situations)
     away = apart(situations, evidence.values, evidence.scales, spread)
     away = np.maximum(away, np.where(assumed, ASSUMED, TOUCHING))
-    likely = [
-        label for label in dict.fromkeys([*shown, evidence.state, *labels]) if label != START
-    ]
     of_label = [[next_state == label for next_state in shown] for label in likely]
     weights = np.array(
         [
