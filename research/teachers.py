@@ -338,6 +338,10 @@ def main(
     novices: Annotated[
         bool, typer.Option(help="Novices, who have habits of their own (novices.py).")
     ] = False,
+    sight: Annotated[
+        float,
+        typer.Option(help="By how much novices see distances and angles off.", min=0, max=1),
+    ] = NOVICE.sight,
     delay: Annotated[
         float | None,
         typer.Option(help="People are late by about this, s; 0: in time; negative: early."),
@@ -367,7 +371,7 @@ def main(
         raise typer.BadParameter(f'there is no aid "{unknown[0]}" {has(AIDS, unknown[0])}')
     habits = Habits(reaction=span(reaction), waver=waver, inattention=inattention, wrong=wrong)
     if novices:
-        habits = replace(NOVICE, inattention=inattention, wrong=wrong)
+        habits = replace(NOVICE, inattention=inattention, wrong=wrong, sight=sight)
     aids = frozenset(AIDS) - off
     if over_topics and (off or each_aid):
         raise typer.BadParameter("nodes have all aids; leave out --over-topics, or the others")
