@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from browsing import ONE, Person, away_from_everybody, entity, needs_browser, visitor
+from browsing import (
+    ONE,
+    Person,
+    away_from_everybody,
+    entity,
+    needs_browser,
+    present_training,
+    visitor,
+)
 
 from hitab_core.operations import DiscardTraining
 
@@ -52,21 +60,23 @@ class Follower:
 
     def follow(self, until: str) -> None:
         """Do what is marked until a step is reached."""
-        before = (None, None)
+        before: tuple[str, ...] = ()
         while (shown := self.look())["step"] != until:
             marked = (shown["step"], shown["of"])
-            if shown["ring"] and marked != before and marked[0] != "watch":
+            assert marked[0] != "end", self.done
+            if not shown["ring"] or marked == before or marked[0] == "watch":
+                self.page.wait_for_timeout(50)
+                continue
+            self.person.waits_until(lambda: self.page.evaluate(FREE), f"covered: {marked}")
+            shown = self.look()
+            if shown["ring"] and (shown["step"], shown["of"]) == marked:
                 assert len(self.done) < PRESSES_MAX, self.done
                 self.done.append(shown["step"])
                 self._do(shown)
                 before = marked
-            else:
-                self.page.wait_for_timeout(50)
 
     def _do(self, shown: dict[str, Any]) -> None:
         mouse = self.page.mouse
-        self.person.waits_until(lambda: self.page.evaluate(FREE), f"covered: {shown}")
-        shown = self.look()
         if shown["spot"]:
             mouse.move(*shown["ring"])
             mouse.down()
@@ -95,8 +105,8 @@ def test_who_presses_only_what_is_marked_saves_a_behavior_that_performs(swarm, p
 
     follower.follow("arrange-3")
     assert "slip" in follower.done
-    assert follower.done.count("mend") == 1
-    assert len(swarm.agents.training(ONE).examples) == 6
+    assert follower.done.count("mend") == 1, follower.done
+    person.waits_until(lambda: len(present_training(swarm).examples) == 6, "two for each command")
 
     # Left, and taken up after a reload; a training that was discarded begins again.
     person.click("tutorial-leave")

@@ -7,7 +7,7 @@ from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, WorldStatus
+from hitab_msgs.msg import AgentStatus, TrainingStatus, WorldStatus
 
 from hitab_client import Training
 from hitab_core import Example, Term
@@ -16,7 +16,14 @@ from hitab_studio.studio import Studio
 from hitab_studio.swarm.agent_watch import AgentState
 from hitab_studio.swarm.swarm_finder import SwarmTarget
 from hitab_studio.swarm.swarm_state import SwarmState
-from hitab_studio.tutorial.lessons import FEATURES, LESSONS, Situation, taught
+from hitab_studio.tutorial.lessons import (
+    DIRECTION,
+    FEATURES,
+    KICKABLE,
+    LESSONS,
+    Situation,
+    taught,
+)
 from hitab_studio.tutorial.progress import present_step
 
 ONE = "keeper_1"
@@ -89,6 +96,31 @@ def test_a_training_under_way_is_taken_up_at_the_step_that_it_has_reached(
     learned, expected, monkeypatch
 ):
     assert step(keeper("training"), monkeypatch, learned) == expected
+
+
+def test_a_step_stays_until_the_training_of_the_status_has_arrived(monkeypatch):
+    async def shown(known: SwarmState, learned: Training | None, **page: Any) -> list[str]:
+        one = Studio(lambda: SwarmTarget(0)).open()
+        one.agent, one.studio.known = ONE, keeper()
+        steps = [present_step(one).name]
+        one.studio.known = known
+        monkeypatch.setattr(one.studio.link, "training", lambda agent: learned)
+        for name, value in page.items():
+            setattr(one, name, value)
+        return [*steps, present_step(one).name]
+
+    now = keeper("training", training=TrainingStatus(automaton="FetchBall", revision=3))
+    for learned, page, expected in (
+        (None, {}, "open"),
+        (training(revision=2), {}, "open"),
+        (training(revision=3), {"busy": 1}, "open"),
+        (training(revision=3), {}, "arrange-0"),
+    ):
+        assert asyncio.run(shown(now, learned, **page)) == ["open", expected]
+
+
+def test_a_ball_straight_behind_is_behind_on_either_side():
+    assert all(LESSONS[0].fits({KICKABLE: 0.0, DIRECTION: at}) for at in (math.pi, -math.pi))
 
 
 def test_a_recording_is_to_be_closed_first(monkeypatch):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class LostCommand(NamedTuple):
@@ -83,9 +83,11 @@ class TutorialProgress:
         is_open: whether the page shows the tutorial.
         is_finished: whether the person has finished the tutorial before.
         passed: names of the steps that stay done.
+        step: the last shown step; None before the first.
     """
 
     is_known: bool = False
     is_open: bool = False
     is_finished: bool = False
     passed: set[str] = field(default_factory=set)
+    step: Any = None

@@ -114,15 +114,16 @@ function follow() {
   } catch {}
   written = kept || written; // another tab may write, too
   const card = panel?.querySelector("[data-marks]");
-  const element = card && marked(card);
-  const things = card && !element ? inField(card) : [];
+  const waits = card?.dataset.waits !== undefined; // for an answer: nothing is to be pressed
+  const element = card && !waits ? marked(card) : null;
+  const things = card && !waits && !element ? inField(card) : [];
   draw(ring, element ? element.getBoundingClientRect() : things[0]);
   ring.classList.toggle("thing", things.length > 0);
   draw(spot, things[1]);
   Object.assign(ring.dataset, { step: card?.dataset.step ?? "", of: element?.dataset.test ?? "" });
   if (!card) return;
   const { step } = card.dataset;
-  absent = card.dataset.optional !== undefined && !element ? absent + 1 : 0;
+  absent = card.dataset.optional !== undefined && !element && !waits ? absent + 1 : 0;
   if (absent > ABSENT_MAX) request("tutorial-skip", { name: step });
   const mark = `${step} ${ring.dataset.of}`;
   if (looked !== mark && (element || things.length)) {

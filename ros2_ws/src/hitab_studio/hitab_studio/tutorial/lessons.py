@@ -40,7 +40,7 @@ class Situation:
 
 
 LESSONS = (
-    Situation("TurnToBall", "behind it", 150.0),
+    Situation("TurnToBall", "behind it", 150.0, tolerance=45.0),
     Situation("GoFast", "ahead of it, a little to its left", 10.0, tolerance=8.0),
     Situation("TurnToBall", "farther to its left", 45.0, tolerance=20.0),
     Situation("GoFast", "ahead of it, a little to its right", -10.0, tolerance=8.0),

@@ -16,6 +16,7 @@ from hitab_studio.tutorial.steps import (
     TutorialStep,
     is_ours,
     is_saved,
+    is_settled,
 )
 
 BEGUN = "begun"
@@ -26,14 +27,25 @@ SAVED, END = "save", "end"
 
 
 def present_step(page: Page) -> TutorialStep:
-    """Return the first step of a page that is not done, and note those that stay done."""
+    """Return the first step of a page that is not done, and note those that stay done.
+
+    It remains the step before until all that a request has changed has arrived.
+    """
+    progress = page.tutorial
+    if progress.step is None or is_settled(page):
+        progress.step = _first_to_do(page)
+    step: TutorialStep = progress.step
+    return step
+
+
+def _first_to_do(page: Page) -> TutorialStep:
     progress, passed = page.tutorial, page.tutorial.passed
     if is_ours(page):
         passed -= {SAVED, *(step.name for step in AFTER)}
         passed.add(BEGUN)
     elif BEGUN in passed and is_saved(page):
         passed.add(SAVED)
-    elif SAVED not in passed and page.status and not page.is_training and not page.busy:
+    elif SAVED not in passed and page.status and not page.is_training:
         passed.clear()  # the training was discarded, or has not begun
     for step in (*GROUND, *(() if SAVED in passed else TRAINING), *AFTER):
         if step.name in passed:
@@ -48,13 +60,9 @@ def present_step(page: Page) -> TutorialStep:
 
 def context(page: Page) -> dict[str, Any]:
     """Return the variables of the card's template."""
-    progress = page.tutorial
+    progress, passed = page.tutorial, page.tutorial.passed
     step = present_step(page) if progress.is_open else None
-    kept = {
-        "open": progress.is_open,
-        "finished": progress.is_finished,
-        "passed": sorted(progress.passed),
-    }
+    kept = {"open": progress.is_open, "finished": progress.is_finished, "passed": sorted(passed)}
     found: dict[str, Any] = {"step": step, "kept": json.dumps(kept) if progress.is_known else ""}
     if step is None:
         return found
@@ -69,4 +77,5 @@ def context(page: Page) -> dict[str, Any]:
         "spot": json.dumps(step.spot(page) if step.spot is not None else None),
         "keyboard": KEYBOARD if thing else "",
         "is_last": step.name == END,
+        "waits": not is_settled(page),
     }

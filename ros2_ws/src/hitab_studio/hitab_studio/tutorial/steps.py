@@ -68,9 +68,14 @@ def is_ours(page: Page) -> bool:
     return page.is_training and training is not None and training.name == NAME
 
 
-def _begins(page: Page) -> bool:
-    """Whether a training has begun, or is about to: its status arrives before its training."""
-    return page.is_training or bool(page.busy)
+def is_settled(page: Page) -> bool:
+    """Whether all that a page knows is of one moment: no answer and no training is to arrive."""
+    if page.busy or page.player is not None or not page.is_training:
+        return not page.busy
+    training, status = page.training, page.status
+    # What changes in a test, such as remarks, does not matter.
+    wanted = status.training.revision if status.mode == "training" else 0
+    return training is not None and training.revision >= wanted
 
 
 def is_saved(page: Page) -> bool:
@@ -105,11 +110,8 @@ def _free_spot(page: Page) -> tuple[float, float]:
     scene = page.moment.scene
     if scene is None:
         return (0.0, 0.0)
-    others = [
-        place
-        for name, place in zip(scene.names, scene.places[:, :2].tolist(), strict=True)
-        if name != page.agent
-    ]
+    places = zip(scene.names, scene.places[:, :2].tolist(), strict=True)
+    others = [place for name, place in places if name != page.agent]
     return max(SPOTS, key=lambda spot: min((math.dist(spot, at) for at in others), default=0.0))
 
 
@@ -165,10 +167,6 @@ def _lesson_steps(number: int, lesson: Situation) -> tuple[TutorialStep, Tutoria
             behavior=lesson.behavior,
         ),
     )
-
-
-def _all_taught(page: Page) -> bool:
-    return _lessons(page)[0] == len(LESSONS)
 
 
 LESSON_STEPS = [step for number, one in enumerate(LESSONS) for step in _lesson_steps(number, one)]
@@ -228,13 +226,13 @@ TRAINING = (
         "open",
         "Press Train….",
         tests("new"),
-        lambda page: _begins(page) or page.dialog.get("kind") == "new",
+        lambda page: page.is_training or page.dialog.get("kind") == "new",
     ),
     TutorialStep(
         "name",
         f"{{agent}} should turn to the ball, run to it and stop. Type the name {NAME}.",
         tests("new-name"),
-        lambda page: _begins(page) or page.dialog.get("typed") == NAME,
+        lambda page: page.is_training or page.dialog.get("typed") == NAME,
     ),
     TutorialStep(
         "begin",
@@ -258,13 +256,13 @@ TRAINING = (
         "teach",
         "Take over (T): you decide.",
         tests("toggle"),
-        lambda page: _all_taught(page) or _is_mode(page, "training"),
+        lambda page: _lessons(page)[0] == len(LESSONS) or _is_mode(page, "training"),
     ),
     TutorialStep(
         "pause",
         "Pause the world (Space), to arrange it without haste.",
         tests("pause"),
-        lambda page: _all_taught(page) or _world(page, "paused"),
+        lambda page: _lessons(page)[0] == len(LESSONS) or _world(page, "paused"),
     ),
     TutorialStep(
         "room", "Drag {agent} into the dashed ring.", (), _has_room, thing=AGENT, spot=_free_spot
