@@ -60,14 +60,14 @@ BUDGET = {
     "hitab_core": 10550,
     "hitab_export": 900,
     "hitab_gamepad": 400,
-    "hitab_machines": 1250,
+    "hitab_machines": 1300,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1850,
     "hitab_studio": 5450,
     "hitab_world": 2150,
     "keepaway_world": 1350,
-    "tests": 35500,
+    "tests": 35550,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

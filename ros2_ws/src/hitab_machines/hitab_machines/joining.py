@@ -14,7 +14,7 @@ from hitab_client.connecting.dds_profile import RANGE, is_of_this_machine
 from hitab_client.terminal.cli_remedies import called
 from hitab_core import installed_version, some
 from hitab_machines.process_holders import running
-from hitab_ros.timing import DISCOVERY_S, FOUND_S
+from hitab_ros.timing import DISCOVERY_S, FOUND_S, SILENT_AFTER_S
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of machines that are up, their number and the names of the others."""
@@ -45,11 +45,23 @@ def refuse_to_join(swarm: SwarmDescription) -> None:
     refuse_limits(swarm.name)
     with _signs_of(swarm, domain_ids.for_swarm(is_free=False)) as (link, signs):
         expected = {machine.name for machine in swarm.machines} - {swarm.machine}
+
+        def is_up() -> bool:
+            """Whether this machine is heard, here or by others, which may be found first."""
+            links = [link for one in signs.heard.values() for link in one.status.links]
+            return swarm.machine in signs.heard or any(
+                link.machine == swarm.machine and link.age < SILENT_AFTER_S for link in links
+            )
+
         link.spin_until(
-            lambda: swarm.machine in signs.heard or expected <= signs.heard.keys(), FOUND_S
+            lambda: (
+                swarm.machine in signs.heard or (expected <= signs.heard.keys() and not is_up())
+            ),
+            FOUND_S,
         )
         statuses = {name: machine.status for name, machine in signs.heard.items()}
-    if swarm.machine in statuses:
+        taken = is_up()
+    if taken:
         others = some([name for name in expected if name not in statuses]) or "none"
         raise SwarmError(
             f"{swarm.machine} of swarm {swarm.name} is already up, on another computer or in "
