@@ -30,8 +30,12 @@ SEQUENCES_OF_ONE_WORLD = 1000
 """A world numbers its cycles in turn from the time at which it began, ns: percepts with a number
 that is lower by more are those of another world."""
 
-COMMON_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed")
-CYCLE_FIELDS = (*COMMON_FIELDS, "look", "lockstep", "restart", "back")
+_FIELDS = msg.PerceptBatch.get_fields_and_field_types()
+CYCLE_FIELDS = tuple(
+    field
+    for field in msg.Percept.get_fields_and_field_types()
+    if field in _FIELDS and field not in ("values", "heard")
+)
 """Fields that all percepts of a cycle share."""
 
 

@@ -195,8 +195,8 @@ class Subordinate:
     def _doing(self) -> tuple[Any, ...]:
         """Return the report's fields without values and times, which change all the time."""
         agent = self.agent
-        has_order = self.order is not None and not self._again
-        epoch, sequence = self.order.number if self.order is not None and has_order else (0, 0)
+        taken = None if self._again else self.order
+        epoch, sequence = taken.number if taken is not None else (0, 0)
         path: tuple[str, ...] = ()
         if agent.mode is not Mode.IDLE and not self.stopped:
             inside = self.order is not None and self.order.report_states

@@ -8,7 +8,6 @@ from hitab_msgs.srv import Control
 
 from hitab_client import SwarmError, WorldClient
 from hitab_core.operations import SetBreakpoints
-from hitab_ros import names
 from hitab_studio.actions.operation_actions import carry_out, operation_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.world_actions import paused
@@ -57,9 +56,7 @@ async def teaching(page: Page, data: Data) -> None:
 
 
 async def _control(page: Page, what: str, **fields: Any) -> None:
-    await page.ask_world(
-        lambda world: world.ask.coroutine(Control, names.CONTROL, action=what, **fields)
-    )
+    await page.ask_world(lambda world: world.control.coroutine(what, **fields))
 
 
 # -- freezing at a key ----------------------------------------------------------------------------
